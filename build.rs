@@ -18,7 +18,7 @@ mod interface;
 #[path = "src/gpu/declarations.rs"]
 mod declarations;
 
-use declarations::{Groups, MODULES, Permutation, Stage, block_struct, find_stored, program, title};
+use declarations::{Groups, MODULES, Permutation, Stage, block_struct, declare_program, find_stored, title};
 use glsl::NamedProgram;
 use interface::{Block, Interface};
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,17 +46,15 @@ fn run() -> Result<(), String> {
     let fingerprint = fingerprint()?;
     let compiler = Compiler::new(&fingerprint)?;
     let modules = out.join(MODULES);
-    // The folder is emptied, since the module of a program that was renamed or removed would be packaged with the
-    // others.
+    // The folder is emptied, since the module of a program that was removed would be packaged with the others.
     if modules.exists() {
         std::fs::remove_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
     }
     std::fs::create_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
     std::fs::write(modules.join(FINGERPRINT), fingerprint).map_err(|e| format!("{FINGERPRINT}: {e}"))?;
-    let mut structs: BTreeMap<String, Block> = BTreeMap::new();
-    // The files of modules so far; the names of programs in the order of the sources; the permutations by program.
-    let mut files = BTreeSet::new();
-    let (mut order, mut programs) = (Vec::new(), BTreeMap::<String, Vec<Permutation>>::new());
+    let mut blocks: BTreeMap<String, Block> = BTreeMap::new();
+    let mut module_names = BTreeSet::new();
+    let (mut names_in_order, mut programs) = (Vec::new(), BTreeMap::<String, Vec<Permutation>>::new());
     for path in glsl::stages(Path::new(ROOT))? {
         let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         let named_programs = glsl::programs(&source, &path)?;
@@ -68,12 +66,12 @@ fn run() -> Result<(), String> {
             let compute_twins = in_compute.iter().map(|defines| named.in_compute(defines));
             for named in std::iter::once(named.clone()).chain(compute_twins) {
                 let permutation = compile(&compiler, &path, &named, &modules)?;
-                collect(&permutation.interface, &permutation.file, &mut structs)?;
-                if !files.insert(permutation.module.clone()) {
+                add_blocks(&permutation.interface, &permutation.file, &mut blocks)?;
+                if !module_names.insert(permutation.module.clone()) {
                     return Err(format!("{}: another module has the file {}", path.display(), permutation.module));
                 }
                 if !programs.contains_key(&named.name) {
-                    order.push(named.name.clone());
+                    names_in_order.push(named.name.clone());
                 }
                 programs.entry(named.name).or_default().push(permutation);
             }
@@ -81,18 +79,18 @@ fn run() -> Result<(), String> {
     }
     let mut groups = Groups::new(glsl::groups(Path::new(ROOT))?);
     let (mut text, mut shader_list) = (String::new(), String::new());
-    for name in &order {
+    for name in &names_in_order {
         let permutations = programs.get_mut(name).map_or(&mut [][..], |permutations| &mut permutations[..]);
         find_stored(permutations).map_err(|e| format!("{name}: {e}"))?;
-        text.push_str(&program(name, permutations, &mut groups).map_err(|e| format!("{name}: {e}"))?);
+        text.push_str(&declare_program(name, permutations, &mut groups).map_err(|e| format!("{name}: {e}"))?);
         for n in 0..permutations.len() {
             let _ = writeln!(shader_list, "    {name}::PERMUTATIONS[{n}].shader,");
         }
     }
     text.push_str(&groups.text()?);
     let _ = write!(text, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{shader_list}];\n");
-    let blocks: String = structs.iter().map(|(name, block)| block_struct(block, name)).collect();
-    for (name, text) in [("programs.rs", text), ("blocks.rs", blocks)] {
+    let block_structs: String = blocks.iter().map(|(name, block)| block_struct(block, name)).collect();
+    for (name, text) in [("programs.rs", text), ("blocks.rs", block_structs)] {
         std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
     }
     Ok(())
@@ -118,16 +116,16 @@ fn compile(compiler: &Compiler, path: &Path, named: &NamedProgram, modules: &Pat
     Ok(Permutation { named: named.clone(), stage, file, module, interface, stored: Vec::new() })
 }
 
-/// Adds the uniform and push-constant blocks of a program to `structs`, by their names. Fails if another program
+/// Adds the uniform and push-constant blocks of a program to `blocks`, by their names. Fails if another program
 /// declares a block of the same name with other fields.
-fn collect(interface: &Interface, file: &str, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
+fn add_blocks(interface: &Interface, file: &str, blocks: &mut BTreeMap<String, Block>) -> Result<(), String> {
     for (name, block) in &interface.blocks {
-        match structs.get(name) {
+        match blocks.get(name) {
             Some(known) if known.fields != block.fields => {
                 return Err(format!("{file}: block {name} differs from its declaration for {}", known.used_in));
             }
             Some(_) => {}
-            None => drop(structs.insert(name.clone(), block.clone())),
+            None => drop(blocks.insert(name.clone(), block.clone())),
         }
     }
     Ok(())

@@ -35,8 +35,8 @@ impl Shaders {
     }
 
     /// Runs `act` and returns its result. Every pipeline that is made meanwhile has the shaders with the edits.
-    pub fn with<T>(&self, gpu: &Gpu, edits: Edits, act: impl FnOnce() -> T) -> T {
-        let replaced = self.compiled.borrow_mut().entry(edits).or_insert_with(|| self.edited(edits)).clone();
+    pub fn run_with<T>(&self, gpu: &Gpu, edits: Edits, act: impl FnOnce() -> T) -> T {
+        let replaced = self.compiled.borrow_mut().entry(edits).or_insert_with(|| self.compile_edited(edits)).clone();
         for (shader, code) in &replaced {
             gpu.shared().replaced_shaders.set(shader, Some(code.clone()));
         }
@@ -48,7 +48,7 @@ impl Shaders {
     }
 
     /// Compiles the programs with some edits; returns those whose code the edits change, with their new code.
-    fn edited(&self, edits: Edits) -> Replaced {
+    fn compile_edited(&self, edits: Edits) -> Replaced {
         if edits.is_empty() {
             return Vec::new();
         }

@@ -42,7 +42,7 @@ const RAYS: u32 = 32;
 type Kind = [&'static str; 3];
 
 /// The data of a view that decide the kind of a pixel.
-struct Shown<'a> {
+struct ViewData<'a> {
     triangles: &'a Triangles<'a>,
     /// The places of the captures.
     captures: Vec<DVec3>,
@@ -52,7 +52,7 @@ struct Shown<'a> {
     pixel_at_1_m: f64,
 }
 
-impl Shown<'_> {
+impl ViewData<'_> {
     /// Returns the kind of a pixel whose ray begins at `from`, by the ray's end in the world (`truth`), and by the
     /// method's path code and end. `None` if the pixel has no ray.
     fn kind(&self, from: &Receiver, truth: &WorldHit, code: PathCode, end: &RayEnd) -> Option<Kind> {
@@ -109,13 +109,14 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let truth = reference.image(&state).reflection;
     let captures = shot.captures().expect("captures").1.iter().map(|c| c.position.as_dvec3()).collect();
     let pixel_at_1_m = 2.0 / (f64::from(data.camera.view_to_clip().y_axis.y.abs()) * f64::from(SIZE[1]));
-    let shown = Shown { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3(), pixel_at_1_m };
+    let view_data = ViewData { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3(), pixel_at_1_m };
 
     // The number of pixels of each kind, and the sum of their squared errors.
     let mut kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
     let (mut count, mut sum) = (0, 0.0);
     for (i, (hit, code)) in world_hits(&world, &data, &first).iter().zip(codes).enumerate() {
-        let Some(kind) = first.receivers[i].as_ref().and_then(|r| shown.kind(r, hit, code, &ends[i])) else { continue };
+        let Some(receiver) = &first.receivers[i] else { continue };
+        let Some(kind) = view_data.kind(receiver, hit, code, &ends[i]) else { continue };
         let squared_error = |c: usize| f64::from(color.values[i * color.channels + c] - truth[i][c]).powi(2) / 3.0;
         let error: f64 = (0..3).map(squared_error).sum();
         let (pixels, errors) = kinds.entry(kind).or_default();

@@ -61,7 +61,7 @@ enum Views {
 
 impl Views {
     /// Returns the views as pairs of a scene and a view.
-    fn list(self) -> Vec<(&'static str, &'static str)> {
+    fn scenes_and_views(self) -> Vec<(&'static str, &'static str)> {
         let mirrors = ["corridor", "cylinder", "window", "window-floor", "two-cylinders"].map(|v| ("rooms", v));
         let hall = ("atrium", "hall");
         match self {
@@ -110,7 +110,7 @@ const HI_Z: &str = "thesis/hi_z_ray_trace.glsl";
 const CONE: &str = "thesis/cone_trace.glsl";
 const ANGLE: &str = "thesis/cone_angle.glsl";
 const POSTER: &str = "poster/cone_march.frag";
-const HALF: &str = "return 0.5 * max(roughness, 0.0);";
+const HALF_ROUGHNESS: &str = "return 0.5 * max(roughness, 0.0);";
 
 const VARIANTS: &[Variant] = &[
     changed("ibr-0.1", "ibr", Views::Billboards, |s| s.with(|p: &mut IbrParams| p.ibr_depth = 0.1)),
@@ -217,17 +217,17 @@ const VARIANTS: &[Variant] = &[
         )],
     ),
     changed("cross-offset", "ssct", Views::Gloss, |s| s.with(|p: &mut HiZParams| p.cross_offset = 0.001)),
-    edited("cosine", "ssct", Views::Gloss, &[(ANGLE, HALF, "return cos(cos(0.5 * roughness));")]),
+    edited("cosine", "ssct", Views::Gloss, &[(ANGLE, HALF_ROUGHNESS, "return cos(cos(0.5 * roughness));")]),
     edited(
         "growing-alpha",
         "ssct",
         Views::Gloss,
-        &[(ANGLE, HALF, "return acos(pow(0.244, 1.0 / (mix(0.1, 1024.0, roughness) + 1.0)));")],
+        &[(ANGLE, HALF_ROUGHNESS, "return acos(pow(0.244, 1.0 / (mix(0.1, 1024.0, roughness) + 1.0)));")],
     ),
     changed("interpolated", "ssct", Views::Gloss, |s| {
         s.with(|p: &mut ConeParams| p.cone_angle = ConeAngle::Interpolated)
     }),
-    edited("no-cone", "ssct", Views::Gloss, &[(ANGLE, HALF, "return 0.0;")]),
+    edited("no-cone", "ssct", Views::Gloss, &[(ANGLE, HALF_ROUGHNESS, "return 0.0;")]),
     changed("lengthened", "ssct", Views::Gloss, |s| s.with(|p: &mut ConeParams| p.cone_lengthened = true)),
     edited(
         "level-of-height",
@@ -323,7 +323,7 @@ const VARIANTS: &[Variant] = &[
 ];
 
 /// Renders one side of a variant on a view.
-fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes::Scene, view: &str) -> Rgb {
+fn render_side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes::Scene, view: &str) -> Rgb {
     let method = METHODS.iter().find(|m| m.name == variant.method).expect("a method");
     let view = scene.view(view).expect("a view");
     let materials = variant.views.globals().materials(scene, view);
@@ -332,16 +332,16 @@ fn side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes
     display(&image::render(stage, &shot, false).expect("an image").reflection)
 }
 
-/// Measures a variant on its views of a scene, and prints a row for each. `kept` has the images of unchanged methods so
-/// far, which other variants compare with, too.
+/// Measures a variant on its views of a scene, and prints a row for each. `unchanged` has the images of unchanged
+/// methods so far, with which other variants are compared, too.
 fn measure(
     stage: &mut Stage,
     variant: &Variant,
     scene: &ssct_scenes::Scene,
     shaders: &Shaders,
-    kept: &mut HashMap<String, Rgb>,
+    unchanged: &mut HashMap<String, Rgb>,
 ) {
-    let views: Vec<_> = variant.views.list().into_iter().filter(|(name, _)| *name == scene.name).collect();
+    let views: Vec<_> = variant.views.scenes_and_views().into_iter().filter(|(name, _)| *name == scene.name).collect();
     if views.is_empty() {
         return;
     }
@@ -350,12 +350,12 @@ fn measure(
     let recorded = both.recorded(METHODS.iter().find(|m| m.name == variant.method));
     let key = |view: &str| format!("{} {view} {:?} {recorded:?}", variant.method, variant.views.globals().roughness);
     for (_, view) in &views {
-        kept.entry(key(view)).or_insert_with(|| side(stage, variant, &both, scene, view));
+        unchanged.entry(key(view)).or_insert_with(|| render_side(stage, variant, &both, scene, view));
     }
     let gpu = stage.context.gpu().clone();
-    shaders.with(&gpu, variant.edits, || {
+    shaders.run_with(&gpu, variant.edits, || {
         for (_, view) in &views {
-            let (share, rmse) = difference(&kept[&key(view)], &side(stage, variant, &changed, scene, view));
+            let (share, rmse) = difference(&unchanged[&key(view)], &render_side(stage, variant, &changed, scene, view));
             println!("{},{},{},{view},{share:.6},{rmse:.6}", variant.name, variant.method, scene.name);
         }
     });
@@ -370,11 +370,11 @@ fn main() {
     for name in library::names() {
         let scene = library::scene(name).expect("a built-in scene");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
-        let mut kept = HashMap::new();
+        let mut unchanged = HashMap::new();
         for variant in
             VARIANTS.iter().chain(schmidt::VARIANTS).filter(|v| wanted.is_empty() || wanted.iter().any(|w| w == v.name))
         {
-            measure(&mut stage, variant, &scene, &shaders, &mut kept);
+            measure(&mut stage, variant, &scene, &shaders, &mut unchanged);
         }
     }
 }

@@ -9,7 +9,7 @@ use ssct_scenes::{LoadOptions, gltf, obj};
 use std::fmt::Write;
 
 /// Returns the text of an OBJ file with twenty faces, each a spiral of `corners` corners.
-fn spirals(corners: usize) -> String {
+fn obj_of_spirals(corners: usize) -> String {
     let mut text = String::new();
     for face in 0..20 {
         let half = corners / 2;
@@ -32,7 +32,7 @@ fn spirals(corners: usize) -> String {
 }
 
 /// Returns the text of a glTF file with a triangle, and with `count` cameras of one name.
-fn cameras(count: usize) -> String {
+fn gltf_of_cameras(count: usize) -> String {
     let camera = r#"{"camera":0,"name":"cam","translation":[0,0,4]}"#;
     let nodes = vec![camera; count].join(",");
     let list: Vec<String> = (0..=count).map(|node| node.to_string()).collect();
@@ -49,7 +49,7 @@ fn cameras(count: usize) -> String {
 }
 
 /// Times the loading of both kinds of files in three sizes each.
-fn loading(criterion: &mut Criterion) {
+fn time_loading(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a folder");
     let written = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -59,18 +59,18 @@ fn loading(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("loading");
     group.sample_size(10);
     for corners in [256, 512, 1024] {
-        let files = [ObjFile::from(written("a.obj", &spirals(corners)))];
+        let files = [ObjFile::from(write_file("a.obj", &obj_of_spirals(corners)))];
         group.bench_function(BenchmarkId::new("concave faces", corners), |b| {
             b.iter(|| obj::load(&files, &ObjOptions::default()).expect("loads"));
         });
     }
     for count in [1000, 2000, 4000] {
-        let path = written("a.gltf", &cameras(count));
+        let path = write_file("a.gltf", &gltf_of_cameras(count));
         group.bench_function(BenchmarkId::new("cameras of one name", count), |b| {
             b.iter(|| gltf::load(&path, &LoadOptions::default()).expect("loads"));
         });
     }
 }
 
-criterion_group!(benches, loading);
+criterion_group!(benches, time_loading);
 criterion_main!(benches);

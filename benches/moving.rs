@@ -38,7 +38,7 @@ fn main() {
         let bare = Scene { meshes: scene.meshes.clone(), materials: scene.materials.clone(), ..Scene::default() };
         let mut context = FrameContext::new(&gpu).expect("a context");
         let mut data = SceneData::upload(&mut context, &scene).expect("device memory");
-        data.build_trees_by(Trees::new(&scene));
+        data.set_tree_builder(Trees::new(&scene));
         let [mut whole, mut moving] = [const { Vec::new() }; 2];
         for frame in 1..=FRAMES + 1 {
             let offset = Vec3::Y * 0.01 * frame as f32;
@@ -52,7 +52,7 @@ fn main() {
             data.place_meshes(mesh, offset).expect("a mesh");
             let moving_ms = milliseconds(|| {
                 data.prepare_triangles(&mut context, false).expect("triangles");
-                context.once(|frame| data.bring_moving(frame)).expect("a frame");
+                context.once(|frame| data.copy_moving(frame)).expect("a frame");
             });
             // In the first frame, which does not count, the mesh is also removed from the tree of meshes at rest.
             if frame > 1 {

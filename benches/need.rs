@@ -5,10 +5,10 @@
 //! of the pixels, or none. "growth": the same views at 640×480 and 1920×1080. Times are those of the effect: the median
 //! of [`FRAMES`] frames by the device's timestamps, with the variants timed in turn.
 //!
-//! The columns on needs also give the time of the passes whose cost does not depend on the number of reflecting pixels
-//! (classification, composite and colour chain), and the share of the image that the drawn tiles cover. The columns on
-//! growth also give the cells of the pyramid that the mirror ray of a pixel visits: the mean, and the mean of the
-//! greatest number in each block of 4 × 2 pixels, for which eight threads in lockstep wait.
+//! The columns on needs also give the share of the image that the drawn tiles cover, and the time of classification,
+//! composite and colour chain, whose cost does not depend on the number of reflecting pixels. The columns on growth also
+//! give how many cells of the pyramid the mirror ray of a pixel visits. They have the mean, and the mean of the greatest
+//! number in each block of 4 × 2 pixels, for which eight threads in lockstep wait.
 
 #![allow(clippy::expect_used)]
 
@@ -39,7 +39,7 @@ const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
 
 /// Returns the milliseconds of the effect, of its pyramid, and of the other passes whose time does not depend on the
 /// number of reflecting pixels.
-fn times(report: &FrameReport) -> [f64; 3] {
+fn effect_ms(report: &FrameReport) -> [f64; 3] {
     let milliseconds = |passes: &dyn Fn(&str) -> bool| {
         report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
     };
@@ -49,7 +49,7 @@ fn times(report: &FrameReport) -> [f64; 3] {
 
 /// Returns the number of cells that mirror rays visit: the mean over the rays, and the mean of the greatest number in
 /// each block of 4 × 2 pixels.
-fn cells(data: &GBufferData) -> [f64; 2] {
+fn count_cells(data: &GBufferData) -> [f64; 2] {
     let (traversal, reflects) = (Traversal::new(data), data.reflecting());
     let steps = |x: u32, y: u32| {
         let ray = traversal.mirror_ray(x, y).filter(|_| reflects[data.index(x, y)]);
@@ -65,7 +65,7 @@ fn cells(data: &GBufferData) -> [f64; 2] {
 }
 
 /// Returns the share of the pixels that lie in tiles with at least one reflecting pixel; only these tiles are drawn.
-fn covered(data: &GBufferData) -> f64 {
+fn covered_share(data: &GBufferData) -> f64 {
     let mut tiles = BTreeSet::new();
     for (i, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
         tiles.insert([i as u32 % data.width / TILE, i as u32 / data.width / TILE]);
@@ -76,7 +76,7 @@ fn covered(data: &GBufferData) -> f64 {
 }
 
 /// Records the effect on a G-buffer in a frame of its own, and returns the frame's times.
-fn run(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
+fn run_effect(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
     let mut frame = context.begin(Mode::Timed).expect("a frame");
     frame.begin_effect();
     effect.record(&mut frame, &Input::of_screen(gbuffer, camera)).expect("the effect");
@@ -115,7 +115,7 @@ fn main() {
             });
             let images =
                 parts.each_ref().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload"));
-            let covered = covered(&parts[1]);
+            let covered = covered_share(&parts[1]);
             let all = drawn.reflectors;
             let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
             let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, None)
@@ -128,7 +128,7 @@ fn main() {
 
             let cells_visited = shots.each_ref().map(|shot| {
                 stage.run(shot, Mode::Plain).expect("a frame");
-                cells(&gbuffer::read(&mut stage.context, shot).expect("the G-buffer"))
+                count_cells(&gbuffer::read(&mut stage.context, shot).expect("the G-buffer"))
             });
             let [mean, in_step] = [0, 1].map(|i| cells_visited[1][i] / cells_visited[0][i]);
 
@@ -138,16 +138,16 @@ fn main() {
             for frame in 0..=FRAMES {
                 for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
                     let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
-                    let report = run(&mut stage.context, &effect, gbuffer, &camera);
+                    let report = run_effect(&mut stage.context, &effect, gbuffer, &camera);
                     // The first frame of each variant compiles shaders.
                     if frame > 0 {
-                        need[i].push((times(&report), report.recorded.len()));
+                        need[i].push((effect_ms(&report), report.recorded.len()));
                     }
                 }
                 for (i, shot) in shots.iter().enumerate() {
                     let (report, _) = stage.run(shot, Mode::Timed).expect("a frame");
                     if frame > 0 {
-                        growth[i].push(times(&report)[0] / GROWTH[i].map(f64::from).iter().product::<f64>());
+                        growth[i].push(effect_ms(&report)[0] / GROWTH[i].map(f64::from).iter().product::<f64>());
                     }
                 }
             }

@@ -38,8 +38,8 @@ impl Context {
     /// [`DeviceHandles::enabled`] are on. When the last object made with the context is dropped, the device is done with everything
     /// that was recorded with it.
     pub unsafe fn new(device: DeviceHandles) -> Result<Self> {
-        // SAFETY: `Gpu::of_others` has the contract of this function.
-        Ok(Self { gpu: unsafe { Gpu::of_others(device) }? })
+        // SAFETY: `Gpu::from_handles` has the contract of this function.
+        Ok(Self { gpu: unsafe { Gpu::from_handles(device) }? })
     }
 
     /// Returns name, driver and kind of the device.

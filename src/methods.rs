@@ -63,7 +63,7 @@ pub struct Input<'a, 's> {
     pub triangles: Option<TriangleBuffers<'s>>,
     /// The second layer of depth, at the size of the G-buffer, if the method is set up for one ([`layers`]). A pixel
     /// without a second surface has depth 0 in it.
-    pub behind: Option<GBuffer<'a>>,
+    pub second_layer: Option<GBuffer<'a>>,
     /// The reflection behind which this method's own reflection shows, if the method is a fallback.
     pub in_front: Option<Reflection<'a>>,
     /// The motion of surfaces since the frame before, for a history, if the caller knows it.
@@ -71,7 +71,7 @@ pub struct Input<'a, 's> {
     /// Number of frames of a history before this one that had other directions of rays; 0 without a history.
     pub frame: u32,
     /// Number of frames with other directions of rays since the camera last moved; 0 while the camera moves.
-    pub rested: u32,
+    pub frames_at_rest: u32,
     /// Number of bounces before this one in the frame. From the second bounce on, the lit colour contains the
     /// reflections of the bounce before. Images that do not depend on this colour remain valid.
     pub bounce: u32,
@@ -87,18 +87,23 @@ impl<'a, 's> Input<'a, 's> {
             sky: None,
             captures: None,
             triangles: None,
-            behind: None,
+            second_layer: None,
             in_front: None,
             motion: None,
             frame: 0,
-            rested: 0,
+            frames_at_rest: 0,
             bounce: 0,
         }
     }
 
-    /// In the first bounce, `make` runs a pass that reads no colour. In later bounces, `made` returns its images.
-    pub(crate) fn once<T>(&self, make: impl FnOnce() -> Result<T>, made: impl FnOnce() -> T) -> Result<T> {
-        if self.bounce == 0 { make() } else { Ok(made()) }
+    /// Returns the images of a pass that reads no colour, so that they are equal in all bounces. In the first bounce
+    /// `record` runs the pass, and in later bounces `recorded` returns the images that it made.
+    pub(crate) fn in_first_bounce<T>(
+        &self,
+        record: impl FnOnce() -> Result<T>,
+        recorded: impl FnOnce() -> T,
+    ) -> Result<T> {
+        if self.bounce == 0 { record() } else { Ok(recorded()) }
     }
 
     /// Returns the scene, for a method that needs one.
@@ -132,7 +137,7 @@ pub struct Intermediate<'a> {
 
 impl<'a> Pyramid<'a> {
     /// Returns the pyramid as an intermediate; `extent` is the size of the picture in pixels.
-    pub(crate) fn shown(self, extent: [u32; 2]) -> Intermediate<'a> {
+    pub(crate) fn as_intermediate(self, extent: [u32; 2]) -> Intermediate<'a> {
         Intermediate { name: "pyramid", content: Content::Pyramid(extent), image: self.0 }
     }
 }
@@ -200,7 +205,15 @@ pub struct MethodRequest {
     /// How shaders read the triangles that the method gets; `None` if it gets none.
     pub triangles: Option<TriangleReading>,
     /// Whether the method is a fallback, behind another reflection ([`Input::in_front`]).
-    pub behind: bool,
+    pub is_fallback: bool,
+}
+
+impl MethodRequest {
+    /// Makes the request for a method that gets neither captures nor triangles, and is no fallback.
+    pub fn new(setup: &Setup, Wants { hits, reflection, composite }: Wants) -> Self {
+        let (setup, is_fallback) = (setup.clone(), false);
+        Self { setup, hits, reflection, composite, captures: None, triangles: None, is_fallback }
+    }
 }
 
 /// A method that is not in the table, but is added while the program runs.
@@ -280,25 +293,15 @@ impl MethodInfo {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
-        let Wants { hits, reflection, composite } = wants;
-        let request = MethodRequest {
-            setup: setup.clone(),
-            hits,
-            reflection,
-            composite,
-            captures: None,
-            triangles: None,
-            behind: false,
-        };
-        self.make(gpu, &request)
+    pub fn make_alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
+        self.make(gpu, &MethodRequest::new(setup, wants))
     }
 
     /// Makes the row of a screen-space method that is not in the table. The strings live as long as the program.
     pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
-        let none: CreateMethod = |_, _| Err(Error::Usage("this method is made by what added it".into()));
+        let refuse: CreateMethod = |_, _| Err(Error::Usage("this method is made by what added it".into()));
         // Orthographic cameras are not refused here; the method itself may refuse them.
-        Self { added: Some(added), takes_orthographic: true, ..Self::screen(name, summary, source, none) }
+        Self { added: Some(added), takes_orthographic: true, ..Self::screen(name, summary, source, refuse) }
     }
 
     /// Makes the method for one size on one device.
@@ -318,7 +321,7 @@ impl MethodInfo {
     }
 
     /// Returns the parts that the method needs and a scene lacks.
-    pub fn lacks(&self, scene: &Scene) -> Vec<Need> {
+    pub fn unmet_needs(&self, scene: &Scene) -> Vec<Need> {
         self.needs.iter().copied().filter(|need| !need.is_met(scene)).collect()
     }
 
@@ -333,7 +336,7 @@ impl MethodInfo {
     }
 
     /// Returns every parameter that the method reads: those of the effect around the method, then its own.
-    pub fn reads(&self) -> Vec<Parameter> {
+    pub fn read_parameters(&self) -> Vec<Parameter> {
         let is_read = |parameter: &Parameter| match parameter.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
@@ -402,11 +405,11 @@ pub fn add(info: MethodInfo) -> Result<&'static MethodInfo> {
 pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
     if names.is_empty() {
         let effect = setup.effect();
-        let plain = effect.fallback == Fallback::None
+        let suits_any_method = effect.fallback == Fallback::None
             && effect.divisor() == 1
             && effect.trace_normals == TraceNormals::Shading
             && effect.bounces == 1;
-        return Ok(METHODS.iter().filter(|m| plain || m.is_screen_space()).collect());
+        return Ok(METHODS.iter().filter(|m| suits_any_method || m.is_screen_space()).collect());
     }
     let mut methods = names.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
     // A method that is named twice counts once.
@@ -425,7 +428,7 @@ pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
     // or a lower resolution that a method cannot have is refused when its effect is made.
     let effect_names: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
     let has = |m: &MethodInfo, name: &str| m.own_parameters().iter().any(|p| p.name == name);
-    for name in setup.values.given().filter(|name| !effect_names.contains(name)) {
+    for name in setup.values.given_names().filter(|name| !effect_names.contains(name)) {
         if !methods.iter().any(|m| has(m, name)) {
             let typed = name.replace('_', "-");
             let chosen: Vec<_> = methods.iter().map(|m| m.name).collect();
@@ -455,7 +458,7 @@ pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
     let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
         EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();
     for method in self::all() {
-        for parameter in method.reads() {
+        for parameter in method.read_parameters() {
             match all.iter_mut().find(|(p, _)| *p == parameter) {
                 Some((_, methods)) => methods.push(method),
                 None => all.push((parameter, vec![method])),

@@ -417,9 +417,6 @@ impl<P> PerProjection<P> {
     }
 
     /// Returns the pipeline of a kind of projection; `make` makes it at the first call.
-    ///
-    /// # Errors
-    /// Errors of `make`.
     fn get(&self, kind: ProjectionKind, make: impl FnOnce() -> Result<P>) -> Result<&P> {
         let slot = &self.0[usize::from(kind.is_orthographic())];
         if let Some(pipeline) = slot.get() {

@@ -27,7 +27,7 @@ const UNBOUNDED: u32 = 64;
 
 /// Makes a shader write counts in place of the reflection's colour: the number of the cone's samples, the sum of their
 /// levels, and 1.
-const CONE: Edits = &[
+const CONE_COUNTS: Edits = &[
     ("thesis/cone_trace.glsl", "vec4 C = vec4(0.0);", "vec4 C = vec4(0.0);\n    float counted = 0.0, levels = 0.0;"),
     (
         "thesis/cone_trace.glsl",
@@ -41,7 +41,7 @@ const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 
 /// Makes a shader write counts in place of the reflection's colour: the number of depths that the ray has read, 0, and
 /// 1.
-const MARCH: Edits = &[
+const MARCH_COUNTS: Edits = &[
     (
         SCHMIDT,
         "bool behind = false;\n\n// Reads the linearised",
@@ -85,10 +85,10 @@ pub const HIT_OF_SSLR: Edit = (
 );
 
 /// Makes `sslr` write the number of depths that a ray has read, in place of where it ended, whether it hit or not.
-const UNIFORM: Edits = &[COUNTER, MARCHED, MISS_OF_SSLR, HIT_OF_SSLR];
+const SSLR_COUNTS: Edits = &[COUNTER, MARCHED, MISS_OF_SSLR, HIT_OF_SSLR];
 
 /// An image to draw with shaders that count.
-struct Counted<'a> {
+struct CountShot<'a> {
     method: &'a str,
     edits: Edits,
     change: Change,
@@ -96,13 +96,13 @@ struct Counted<'a> {
     globals: Globals,
 }
 
-impl Counted<'_> {
+impl CountShot<'_> {
     /// Draws the image on a view; returns the reflection and the hits.
-    fn images(&self, bench: &Bench, stage: &mut Stage, (scene, view): (&Scene, &View)) -> (Pixels, Pixels) {
+    fn draw(&self, bench: &Bench, stage: &mut Stage, (scene, view): (&Scene, &View)) -> (Pixels, Pixels) {
         let setup = (self.change)(&Setup::new(self.size));
         let materials = self.globals.materials(scene, view);
         let camera = view.camera(scene, self.size);
-        bench.shaders.with(&bench.gpu, self.edits, || {
+        bench.shaders.run_with(&bench.gpu, self.edits, || {
             let shot = Shot::new(stage, method(self.method), &setup, Wants::HITS, camera, materials).expect("a shot");
             let made = image::render(stage, &shot, true).expect("an image");
             let all = made.intermediates.expect("intermediates");
@@ -113,51 +113,51 @@ impl Counted<'_> {
 }
 
 /// Returns the mean of a channel over the texels whose third channel is 1, which marks counts.
-fn counted(image: &Pixels, channel: usize) -> f64 {
+fn mean_count(image: &Pixels, channel: usize) -> f64 {
     mean(image.texels().filter(|t| t[2] == 1.0).map(|t| f64::from(t[channel])))
 }
 
 /// Prints a row of the table.
-fn row(claim: &str, method: &str, (scene, view): (&Scene, &View), height: u32, variant: &str, value: f64) {
+fn print_row(claim: &str, method: &str, (scene, view): (&Scene, &View), height: u32, variant: &str, value: f64) {
     println!("{claim},{method},{},{},{height},{variant},{value:.4}", scene.name, view.name);
 }
 
 /// Prints how many samples cones take and which levels they read, by roughness.
-fn cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
+fn print_cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let limits: [(&str, Change); 2] =
         [("", SAME), ("-unbounded", |s| s.with(|p: &mut ConeParams| p.cone_samples = UNBOUNDED))];
     for roughness in [0.05, 0.1, 0.3, 0.6, 1.0] {
         for (suffix, change) in limits {
             let counting =
-                Counted { method: "ssct", edits: CONE, change, size: SIZE, globals: globals(roughness, 0.1) };
-            let (image, _) = counting.images(bench, stage, subject);
-            let (samples, levels) = (counted(&image, 0), counted(&image, 1));
+                CountShot { method: "ssct", edits: CONE_COUNTS, change, size: SIZE, globals: globals(roughness, 0.1) };
+            let (image, _) = counting.draw(bench, stage, subject);
+            let (samples, levels) = (mean_count(&image, 0), mean_count(&image, 1));
             let variant = roughness.to_string();
-            row(&format!("cone-samples{suffix}"), "ssct", subject, SIZE[1], &variant, samples);
-            row(&format!("cone-levels{suffix}"), "ssct", subject, SIZE[1], &variant, levels / samples);
+            print_row(&format!("cone-samples{suffix}"), "ssct", subject, SIZE[1], &variant, samples);
+            print_row(&format!("cone-levels{suffix}"), "ssct", subject, SIZE[1], &variant, levels / samples);
         }
     }
 }
 
 /// Prints how many rays run towards the camera, and which shares of both directions hit.
-fn directions(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
-    let counting = Counted { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
-    let (_, hits) = counting.images(bench, stage, subject);
+fn print_directions(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
+    let counting = CountShot { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
+    let (_, hits) = counting.draw(bench, stage, subject);
     let codes: Vec<_> = hits.texels().filter_map(|t| PathCode::from_channel(t[3])).collect();
     let count = |wanted: &[PathCode]| codes.iter().filter(|c| wanted.contains(c)).count() as f64;
     let towards = count(&[PathCode::Linear, PathCode::LinearMiss]);
     let away = count(&[PathCode::HiZ, PathCode::Miss, PathCode::Exhausted]);
     let share = |part: f64, all: f64| part / all.max(1.0);
-    row("towards-camera", "ssct", subject, SIZE[1], "0", share(towards, towards + away));
-    row("towards-camera-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
+    print_row("towards-camera", "ssct", subject, SIZE[1], "0", share(towards, towards + away));
+    print_row("towards-camera-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
     let marched = hits.texels().filter(|t| PathCode::from_channel(t[3]) == Some(PathCode::Linear));
     let off_screen = marched.filter(|t| t[..2].iter().any(|c| !(0.0..=1.0).contains(c))).count() as f64;
-    row("search-off-screen", "ssct", subject, SIZE[1], "0", share(off_screen, count(&[PathCode::Linear])));
-    row("away-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
+    print_row("search-off-screen", "ssct", subject, SIZE[1], "0", share(off_screen, count(&[PathCode::Linear])));
+    print_row("away-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
 }
 
 /// Prints the megabytes of the effect's images and buffers, with its passes combined and split.
-fn memory(stage: &mut Stage, subject: (&Scene, &View)) {
+fn print_memory(stage: &mut Stage, subject: (&Scene, &View)) {
     let mut megabytes = |split: bool| {
         let setup = Setup::new(SIZE).with(|p: &mut ThesisDrawing| p.split = split);
         let before = stage.context.gpu().allocated_bytes();
@@ -167,24 +167,29 @@ fn memory(stage: &mut Stage, subject: (&Scene, &View)) {
         bytes as f64 / 1e6
     };
     let [combined, split] = [false, true].map(&mut megabytes);
-    row("device-mb", "ssct", subject, SIZE[1], "combined", combined);
-    row("device-mb", "ssct", subject, SIZE[1], "split", split);
+    print_row("device-mb", "ssct", subject, SIZE[1], "combined", combined);
+    print_row("device-mb", "ssct", subject, SIZE[1], "split", split);
 }
 
 /// Prints the mean steps of the rays of `sslr`, by roughness.
-fn uniform_steps(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
+fn print_uniform_steps(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     for roughness in [0.0, 0.1, 0.3, 0.6] {
-        let counting =
-            Counted { method: "sslr", edits: UNIFORM, change: SAME, size: SIZE, globals: globals(roughness, 0.1) };
-        let (_, hits) = counting.images(bench, stage, subject);
+        let counting = CountShot {
+            method: "sslr",
+            edits: SSLR_COUNTS,
+            change: SAME,
+            size: SIZE,
+            globals: globals(roughness, 0.1),
+        };
+        let (_, hits) = counting.draw(bench, stage, subject);
         let traced = |t: &&[f32]| PathCode::from_channel(t[3]).is_some_and(|c| c != PathCode::None);
         let steps = mean(hits.texels().filter(traced).map(|t| f64::from(t[0])));
-        row("ray-steps", "sslr", subject, SIZE[1], &roughness.to_string(), steps);
+        print_row("ray-steps", "sslr", subject, SIZE[1], &roughness.to_string(), steps);
     }
 }
 
 /// Prints the mean steps of Schmidt's marches, by pixels a step and by the height of the image.
-fn marches(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
+fn print_marches(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let steps: [(&str, Change); 4] = [
         ("1", SAME),
         ("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
@@ -193,9 +198,9 @@ fn marches(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     ];
     let mut count = |method, variant, change, height: u32| {
         let size = [height * 16 / 9, height];
-        let counting = Counted { method, edits: MARCH, change, size, globals: globals(0.0, 0.0) };
-        let (image, _) = counting.images(bench, stage, subject);
-        row("ray-steps", method, subject, height, variant, counted(&image, 0));
+        let counting = CountShot { method, edits: MARCH_COUNTS, change, size, globals: globals(0.0, 0.0) };
+        let (image, _) = counting.draw(bench, stage, subject);
+        print_row("ray-steps", method, subject, height, variant, mean_count(&image, 0));
     };
     steps.into_iter().for_each(|(variant, change)| count("ssr", variant, change, 180));
     for height in [360, 720] {
@@ -215,16 +220,16 @@ pub fn run(bench: &Bench) {
         for view in scene.views.iter().filter(|v| views.contains(&v.name.as_str())) {
             let subject = (&scene, view);
             if bench.wants("cone-samples") {
-                cones(bench, &mut stage, subject);
+                print_cones(bench, &mut stage, subject);
             }
             if bench.wants("towards-camera") {
-                directions(bench, &mut stage, subject);
+                print_directions(bench, &mut stage, subject);
             }
             if bench.wants("ray-steps") {
-                uniform_steps(bench, &mut stage, subject);
+                print_uniform_steps(bench, &mut stage, subject);
             }
             if bench.wants("device-mb") {
-                memory(&mut stage, subject);
+                print_memory(&mut stage, subject);
             }
         }
     }
@@ -235,6 +240,6 @@ pub fn run(bench: &Bench) {
         let scene = scene(name);
         let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
         let view = scene.view(view).expect("a view");
-        marches(bench, &mut stage, (&scene, view));
+        print_marches(bench, &mut stage, (&scene, view));
     }
 }

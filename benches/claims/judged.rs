@@ -134,14 +134,15 @@ const fn car(name: &'static str, method: &'static str, edits: Edits) -> Claim {
     Claim { name, method, place: Place::Car, roughness: &[0.0], both: SAME, change: SAME, edits }
 }
 
+// Shaders, lines of them that claims change, and changes that several claims make.
 const VISIBILITY: &str = "thesis/visibility.frag";
 const MARCH: &str = "thesis/linear_ray_march.glsl";
 const SCHMIDT: &str = "schmidt/screen_space_reflections.frag";
 const TRACE: &str = "thesis/sslr_ray_trace.frag";
 const DDA: &str = "dda/dda.frag";
-const INTEGRATED: &str = "coarseVisibility = dot(vec4(0.25), integration);";
-const LENGTH: &str = "float rayLength = min(distance(pixel.P_ss.xy, hit.xy), 1.0);";
-const FOUR: &str = "float z_min = min(min(z0.r, z1.r), min(z2.r, z3.r));";
+const COARSE_VISIBILITY: &str = "coarseVisibility = dot(vec4(0.25), integration);";
+const RAY_LENGTH: &str = "float rayLength = min(distance(pixel.P_ss.xy, hit.xy), 1.0);";
+const MINIMUM_OF_FOUR: &str = "float z_min = min(min(z0.r, z1.r), min(z2.r, z3.r));";
 const FIRST_STEP: &str = "float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);";
 const FROM_START: Edits = &[(DDA, FIRST_STEP, "float from = i == 1 ? 0.0 : max(s - 0.5 * dda.stride, OWN_PIXEL);")];
 const SECOND_WAY: Edits = &[(DDA, "meets = meets || (behind && !was_behind[l]);", "")];
@@ -149,7 +150,7 @@ const SECOND_WAY: Edits = &[(DDA, "meets = meets || (behind && !was_behind[l]);"
 /// Makes a Hi-Z buffer of true minima: every texel that a cell covers is read.
 pub const TRUE_MINIMA: Edits = &[(
     "thesis/hi_z.frag",
-    FOUR,
+    MINIMUM_OF_FOUR,
     "float z_min = z0.r;\n    for (int y = 0; y <= hiz.Offset.y; ++y)\n        for (int x = 0; x <= hiz.Offset.x; ++x)\n            z_min = min(z_min, ReadDepth(P_sample + ivec2(x, y)).r);",
 )];
 
@@ -239,26 +240,26 @@ const CLAIMS: &[Claim] = &[
         "visibility-7-bits",
         "ssct",
         &[0.1, 0.3, 0.6],
-        &[(VISIBILITY, INTEGRATED, "coarseVisibility = round(dot(vec4(0.25), integration) * 127.0) / 127.0;")],
+        &[(VISIBILITY, COARSE_VISIBILITY, "coarseVisibility = round(dot(vec4(0.25), integration) * 127.0) / 127.0;")],
     ),
     edited(
         "visibility-4-bits",
         "ssct",
         &[0.1, 0.3, 0.6],
-        &[(VISIBILITY, INTEGRATED, "coarseVisibility = round(dot(vec4(0.25), integration) * 15.0) / 15.0;")],
+        &[(VISIBILITY, COARSE_VISIBILITY, "coarseVisibility = round(dot(vec4(0.25), integration) * 15.0) / 15.0;")],
     ),
-    edited("visibility-none", "ssct", &[0.1, 0.3, 0.6], &[(VISIBILITY, INTEGRATED, "coarseVisibility = 1.0;")]),
+    edited("visibility-none", "ssct", &[0.1, 0.3, 0.6], &[(VISIBILITY, COARSE_VISIBILITY, "coarseVisibility = 1.0;")]),
     edited(
         "length-7-bits",
         "sslr",
         &[0.1, 0.3],
-        &[(TRACE, LENGTH, "float rayLength = round(min(distance(pixel.P_ss.xy, hit.xy), 1.0) * 127.0) / 127.0;")],
+        &[(TRACE, RAY_LENGTH, "float rayLength = round(min(distance(pixel.P_ss.xy, hit.xy), 1.0) * 127.0) / 127.0;")],
     ),
     edited(
         "length-4-bits",
         "sslr",
         &[0.1, 0.3],
-        &[(TRACE, LENGTH, "float rayLength = round(min(distance(pixel.P_ss.xy, hit.xy), 1.0) * 15.0) / 15.0;")],
+        &[(TRACE, RAY_LENGTH, "float rayLength = round(min(distance(pixel.P_ss.xy, hit.xy), 1.0) * 15.0) / 15.0;")],
     ),
     edited("mask", "sslr", &[0.1, 0.3], &[("thesis/sslr_blur.frag", "return Mask(texCoord) > 0.0 ?", "return true ?")]),
     edited("true-minima", "ssct", &[0.0, 0.1], TRUE_MINIMA),
@@ -331,9 +332,9 @@ struct Truth {
 }
 
 /// An image of a method.
-struct Made {
+struct MethodImage {
     /// The reflection as a display image.
-    shown: Rgb,
+    display: Rgb,
     /// The reflection in linear colour.
     color: Colors,
     /// Positions of the hits in pixels, if the method tells them.
@@ -341,16 +342,16 @@ struct Made {
 }
 
 /// A view of a scene at a roughness, drawn as a claim's place says.
-struct At<'a> {
+struct Subject<'a> {
     scene: &'a Scene,
     view: &'a View,
     place: Place,
     roughness: f32,
 }
 
-impl At<'_> {
+impl Subject<'_> {
     /// Draws an image of a method; returns it with the shot that drew it.
-    fn made(&self, stage: &mut Stage, method: &MethodInfo, setup: &Setup) -> (Made, Shot) {
+    fn draw(&self, stage: &mut Stage, method: &MethodInfo, setup: &Setup) -> (MethodImage, Shot) {
         let materials = self.place.materials(self.scene, self.view, self.roughness);
         let camera = self.view.camera(self.scene, self.place.size());
         let wants = if method.is_screen_space() { Wants::HITS } else { Wants::REFLECTION };
@@ -359,12 +360,12 @@ impl At<'_> {
         let all = image.intermediates.unwrap_or_default();
         let hits = all.iter().find(|(name, ..)| name == "hits").map(|(.., hits)| gbuffer::hit_positions(hits));
         let color = image.reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();
-        (Made { shown: display(&image.reflection), color, hits }, shot)
+        (MethodImage { display: display(&image.reflection), color, hits }, shot)
     }
 
     /// Makes the truth for the G-buffer that a shot drew last: the exact image of the screen or of the world, as the
     /// place says.
-    fn truth(&self, stage: &mut Stage, shot: &Shot) -> Truth {
+    fn compute_truth(&self, stage: &mut Stage, shot: &Shot) -> Truth {
         let data = gbuffer::read(&mut stage.context, shot).expect("the G-buffer");
         let mask = data.reflecting();
         if [Place::Billboards, Place::Behind, Place::Car].contains(&self.place) {
@@ -390,36 +391,36 @@ impl At<'_> {
 }
 
 /// Returns the shares of right and of false hits as texts; empty where there are no hits to compare.
-fn hits(truth: &Truth, made: &Made) -> [String; 2] {
-    let Some((oracle, hits)) = truth.hits.as_ref().zip(made.hits.as_ref()) else { return Default::default() };
+fn hit_shares(truth: &Truth, image: &MethodImage) -> [String; 2] {
+    let Some((oracle, hits)) = truth.hits.as_ref().zip(image.hits.as_ref()) else { return Default::default() };
     let agreement = HitAgreement::new(&truth.mask, hits, oracle);
     [agreement.hit_agreement, agreement.false_hits].map(|share| share.map_or_else(String::new, |s| format!("{s:.6}")))
 }
 
 /// Unchanged images of methods, and truths, which several claims need. Their keys name everything on which they depend.
 #[derive(Default)]
-struct Kept {
-    images: HashMap<String, Made>,
+struct Cache {
+    images: HashMap<String, MethodImage>,
     truths: HashMap<String, Truth>,
 }
 
 /// Measures a claim on a view, and prints its row.
-fn measure(bench: &Bench, stage: &mut Stage, claim: &Claim, subject: &At, kept: &mut Kept) {
+fn judge(bench: &Bench, stage: &mut Stage, claim: &Claim, subject: &Subject, cache: &mut Cache) {
     let info = method(claim.method);
     let both = (claim.both)(&Setup::new(claim.place.size()));
     let truth_key = format!("{} {} {:?}", subject.view.name, subject.roughness, claim.place);
     let key = format!("{} {truth_key} {:?}", claim.method, both.recorded(Some(info)));
-    if !kept.images.contains_key(&key) || !kept.truths.contains_key(&truth_key) {
-        let (made, shot) = subject.made(stage, info, &both);
-        kept.images.insert(key.clone(), made);
-        kept.truths.entry(truth_key.clone()).or_insert_with(|| subject.truth(stage, &shot));
+    if !cache.images.contains_key(&key) || !cache.truths.contains_key(&truth_key) {
+        let (image, shot) = subject.draw(stage, info, &both);
+        cache.images.insert(key.clone(), image);
+        cache.truths.entry(truth_key.clone()).or_insert_with(|| subject.compute_truth(stage, &shot));
     }
     let (changed, _) =
-        bench.shaders.with(&bench.gpu, claim.edits, || subject.made(stage, info, &(claim.change)(&both)));
-    let (before, truth) = (&kept.images[&key], &kept.truths[&truth_key]);
-    let (share, rmse) = difference(&before.shown, &changed.shown);
-    let [error, error_changed] = [before, &changed].map(|m| masked_rmse(&truth.color, &m.color, &truth.mask));
-    let [[right, wrong], [right_changed, wrong_changed]] = [before, &changed].map(|m| hits(truth, m));
+        bench.shaders.run_with(&bench.gpu, claim.edits, || subject.draw(stage, info, &(claim.change)(&both)));
+    let (unchanged, truth) = (&cache.images[&key], &cache.truths[&truth_key]);
+    let (share, rmse) = difference(&unchanged.display, &changed.display);
+    let [error, error_changed] = [unchanged, &changed].map(|m| masked_rmse(&truth.color, &m.color, &truth.mask));
+    let [[right, wrong], [right_changed, wrong_changed]] = [unchanged, &changed].map(|m| hit_shares(truth, m));
     println!(
         "{},{},{},{},{},{share:.6},{rmse:.6},{error:.6},{error_changed:.6},{right},{right_changed},{wrong},{wrong_changed}",
         claim.name, claim.method, subject.scene.name, subject.view.name, subject.roughness
@@ -437,14 +438,14 @@ pub fn run(bench: &Bench) {
             let Some((_, views)) = claim.place.views().iter().find(|(scene_name, _)| *scene_name == name) else {
                 continue;
             };
-            let (scene, stage, kept) = loaded.get_or_insert_with(|| {
+            let (scene, stage, cache) = loaded.get_or_insert_with(|| {
                 let scene = scene(name);
                 let stage = Stage::new(&bench.gpu, &scene).expect("device memory");
-                (scene, stage, Kept::default())
+                (scene, stage, Cache::default())
             });
             for view in scene.views.iter().filter(|v| views.is_empty() || views.contains(&v.name.as_str())) {
                 for &roughness in claim.roughness {
-                    measure(bench, stage, claim, &At { scene, view, place: claim.place, roughness }, kept);
+                    judge(bench, stage, claim, &Subject { scene, view, place: claim.place, roughness }, cache);
                 }
             }
         }

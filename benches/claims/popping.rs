@@ -22,20 +22,22 @@ const SIZE: [u32; 2] = [320, 180];
 /// Metres from one frame to the next: 1.4 m/s at 60 frames a second.
 const STEP_M: f32 = 1.4 / 60.0;
 /// Frames of a walk before its middle, and as many after it.
-const HALF: i32 = 11;
+const HALF_WALK: i32 = 11;
 /// Roughness of all surfaces.
 const ROUGHNESS: f32 = 0.1;
 /// The shader of both methods with cube maps, and the lines of it that variants change.
 const SHADER: &str = "schmidt/pccm.frag";
-const WEIGHED: &str = "float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);";
-const DISTANCE: &str = "distances[k] = distance(pixel.position, map.position.xyz);";
-const INSIDE: &str = "if (inside[0] != inside[1]) {";
+const WEIGHT_LINE: &str = "float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);";
+const DISTANCE_LINE: &str = "distances[k] = distance(pixel.position, map.position.xyz);";
+const BOX_LINE: &str = "if (inside[0] != inside[1]) {";
 /// Ignores the boxes of the maps, so that distances alone decide which map counts.
-const BY_CAMERA: (&str, &str, &str) = (SHADER, INSIDE, "if (false) {");
-const ONE: Edits = &[BY_CAMERA, (SHADER, WEIGHED, "float second = 0.0;")];
-const CAMERA: Edits =
-    &[BY_CAMERA, (SHADER, DISTANCE, "distances[k] = distance(camera.view_to_world[3].xyz, map.position.xyz);")];
-const VARIANTS: [(&str, Edits); 3] = [("one", ONE), ("pixels", &[]), ("camera", CAMERA)];
+const WITHOUT_BOXES: (&str, &str, &str) = (SHADER, BOX_LINE, "if (false) {");
+const NEAREST_MAP: Edits = &[WITHOUT_BOXES, (SHADER, WEIGHT_LINE, "float second = 0.0;")];
+const CAMERA_WEIGHTS: Edits = &[
+    WITHOUT_BOXES,
+    (SHADER, DISTANCE_LINE, "distances[k] = distance(camera.view_to_world[3].xyz, map.position.xyz);"),
+];
+const VARIANTS: [(&str, Edits); 3] = [("one", NEAREST_MAP), ("pixels", &[]), ("camera", CAMERA_WEIGHTS)];
 
 /// Returns a walk past the middle between each two maps: the numbers of the maps in the scene's order, as `a-b`, and
 /// the views of the walk, which look ahead and a little down.
@@ -43,20 +45,20 @@ fn walks(scene: &Scene) -> Vec<(String, Vec<View>)> {
     let places: Vec<Vec3> = scene.probes.iter().map(|probe| probe.position).collect();
     let ahead = (places[places.len() - 1] - places[0]).normalize();
     let view = |eye| View { eye, look_at: eye + ahead + Vec3::NEG_Y * 0.2, ..scene.views[0].clone() };
-    let past = |a: usize, b: usize| {
+    let walk_past_middle = |a: usize, b: usize| {
         let middle = 0.5 * (places[a] + places[b]);
         // The frames stand beside the middle and never on it.
-        let steps = (-HALF..HALF).map(|n| view(middle + (n as f32 + 0.5) * STEP_M * ahead));
+        let steps = (-HALF_WALK..HALF_WALK).map(|n| view(middle + (n as f32 + 0.5) * STEP_M * ahead));
         (format!("{a}-{b}"), steps.collect())
     };
-    (0..places.len()).flat_map(|a| (a + 1..places.len()).map(move |b| past(a, b))).collect()
+    (0..places.len()).flat_map(|a| (a + 1..places.len()).map(move |b| walk_past_middle(a, b))).collect()
 }
 
 /// Returns display images of the reflections of the method `name` along a walk, with edits of its shaders.
-fn shown(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, walk): (&Scene, &[View])) -> Vec<Rgb> {
+fn draw(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, walk): (&Scene, &[View])) -> Vec<Rgb> {
     let materials = globals(ROUGHNESS, 0.1).materials(scene, &walk[0]);
     let camera = |view: &View| view.camera(scene, SIZE);
-    let mut shot = bench.shaders.with(&bench.gpu, edits, || {
+    let mut shot = bench.shaders.run_with(&bench.gpu, edits, || {
         let setup = Setup::new(SIZE);
         Shot::new(stage, method(name), &setup, Wants::REFLECTION, camera(&walk[0]), materials).expect("a shot")
     });
@@ -78,20 +80,20 @@ pub fn run(bench: &Bench) {
         let mut row = |name: &str, variant: &str, edits: Edits| {
             // The root mean square change between neighbouring frames, each with the name of its walk.
             let mut changes = Vec::new();
-            for (past, walk) in &walks {
-                let images = shown(bench, &mut stage, name, edits, (&scene, walk));
+            for (walk_name, walk) in &walks {
+                let images = draw(bench, &mut stage, name, edits, (&scene, walk));
                 changes.extend(images.windows(2).map(|two| {
                     let (_, rmse) = difference(&two[0], &two[1]);
-                    (rmse, past)
+                    (rmse, walk_name)
                 }));
             }
             changes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-            let ((greatest, past), (median, _)) = (changes[changes.len() - 1], changes[changes.len() / 2]);
-            println!("popping,{name},{},{variant},{:.2},{past}", scene.name, greatest / median);
+            let ((greatest, walk_name), (median, _)) = (changes[changes.len() - 1], changes[changes.len() / 2]);
+            println!("popping,{name},{},{variant},{:.2},{walk_name}", scene.name, greatest / median);
         };
         for name in ["local-map", "pccm"] {
-            VARIANTS.into_iter().for_each(|(variant, edits)| row(name, variant, edits));
+            VARIANTS.into_iter().for_each(|(variant, edits)| print_row(name, variant, edits));
         }
-        row("traced", "none", &[]);
+        print_row("traced", "none", &[]);
     }
 }

@@ -53,10 +53,10 @@ const OF_MATERIAL: &str = "pixel.roughness = material.g;";
 
 /// Makes a pixel follow the ray of another pixel, whose place stands in its material: the column as roughness, and the
 /// row plus 1 as reflectivity. `MIRRORS` and `ROUGH` also make the roughness a constant.
-const ELSEWHERE: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;\n    coord = max(ivec2(material.g, \
+const READ_OTHER_PIXEL: &str = "vec2 material = texelFetch(materialBuffer, coord, 0).rg;\n    coord = max(ivec2(material.g, \
                          material.r - 1.0), 0);\n    fragCoord = vec2(coord) + 0.5;";
-const MIRRORS: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.0;")];
-const ROUGH: Edits = &[(PIXEL, READ, ELSEWHERE), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.1;")];
+const MIRRORS: Edits = &[(PIXEL, READ, READ_OTHER_PIXEL), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.0;")];
+const ROUGH: Edits = &[(PIXEL, READ, READ_OTHER_PIXEL), (PIXEL, OF_MATERIAL, "pixel.roughness = 0.1;")];
 
 /// Makes shaders write a ray's number of steps, in the traversal, the marches and the search together, in place of
 /// where the ray ended.
@@ -84,7 +84,7 @@ const COUNTING: Edits = &[
 ];
 
 /// Returns the setup with a change: rays are traced in a pass of its own.
-fn split(setup: &Setup) -> Setup {
+fn with_split(setup: &Setup) -> Setup {
     setup.with(|p: &mut ThesisDrawing| p.split = true)
 }
 
@@ -98,8 +98,8 @@ fn traced_ms(report: &FrameReport) -> f64 {
 type Work = Option<(bool, u32)>;
 
 /// Counts the work of every pixel's ray, with a setup and the scene's materials.
-fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
-    let hits = bench.shaders.with(&bench.gpu, COUNTING, || {
+fn count_work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
+    let hits = bench.shaders.run_with(&bench.gpu, COUNTING, || {
         let (info, camera) = (method(place.method), place.camera());
         let shot = Shot::new(stage, info, setup, Wants::HITS, camera, materials.to_vec()).expect("a shot");
         let made = image::render(stage, &shot, true).expect("an image");
@@ -114,7 +114,7 @@ fn work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, material
 }
 
 /// Returns the indices of all pixels: a list for each tile, in which the pixels of a group follow each other.
-fn in_groups() -> Vec<Vec<usize>> {
+fn pixels_in_groups() -> Vec<Vec<usize>> {
     let [width, height] = SIZE;
     // Divides a box into boxes of w × h pixels, row by row; the last ones may be smaller.
     let boxes = |[left, top, right, bottom]: [u32; 4], [w, h]: [u32; 2]| {
@@ -143,7 +143,7 @@ impl Shuffle {
     }
 
     /// Shuffles items (Fisher and Yates).
-    fn all<T>(&mut self, items: &mut [T]) {
+    fn shuffle_items<T>(&mut self, items: &mut [T]) {
         for end in (1..items.len()).rev() {
             items.swap(end, self.below(end + 1));
         }
@@ -151,13 +151,13 @@ impl Shuffle {
 }
 
 /// Returns, for each pixel, the index of the pixel whose ray it follows in the order `name` of [`ORDERS`].
-fn order(name: &str, work: &[Work]) -> Vec<usize> {
-    let tiles = in_groups();
+fn rays_in_order(name: &str, work: &[Work]) -> Vec<usize> {
+    let tiles = pixels_in_groups();
     let mut shuffle = Shuffle(1);
     let mut rays = tiles.clone();
     for tile in &mut rays {
         if name.starts_with("mixed") {
-            shuffle.all(tile);
+            shuffle.shuffle_items(tile);
         }
         match name {
             "kinds" | "mixed-kinds" => tile.sort_by_key(|&i| work[i].map(|(towards, _)| !towards)),
@@ -168,7 +168,7 @@ fn order(name: &str, work: &[Work]) -> Vec<usize> {
     let mut rays = rays.concat();
     if name == "scattered" {
         let mut groups: Vec<_> = rays.chunks((GROUP[0] * GROUP[1]) as usize).map(<[usize]>::to_vec).collect();
-        shuffle.all(&mut groups);
+        shuffle.shuffle_items(&mut groups);
         rays = groups.concat();
     }
     let mut followed = vec![0; work.len()];
@@ -178,9 +178,8 @@ fn order(name: &str, work: &[Work]) -> Vec<usize> {
     followed
 }
 
-/// Returns a G-buffer whose material says which pixel's ray each pixel follows, if any, as the edit [`ELSEWHERE`] reads
-/// it.
-fn following(data: &GBufferData, followed: impl Iterator<Item = Option<usize>>) -> GBufferData {
+/// Returns a G-buffer whose material says which pixel's ray each pixel follows, if any, as [`READ_OTHER_PIXEL`] reads it.
+fn follow_rays(data: &GBufferData, followed: impl Iterator<Item = Option<usize>>) -> GBufferData {
     let mut changed = data.clone();
     let materials = changed.reflectivity.iter_mut().zip(&mut changed.roughness);
     for ((reflectivity, roughness), ray) in materials.zip(followed) {
@@ -200,7 +199,7 @@ struct Place<'a> {
 
 impl Place<'_> {
     /// Prints a row of the table.
-    fn row(&self, claim: &str, variant: &str, values: [f64; 3]) {
+    fn print_row(&self, claim: &str, variant: &str, values: [f64; 3]) {
         let [ratio, least, greatest] = values;
         let Self { scene, view, roughness, method } = self;
         println!(
@@ -216,12 +215,12 @@ impl Place<'_> {
 }
 
 /// Times the tracing pass on several G-buffers in turn. Returns for each turn the milliseconds on each G-buffer.
-fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
+fn time_turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
     let edits = if place.roughness == 0.0 { MIRRORS } else { ROUGH };
-    let setup = split(&Setup::new(SIZE));
+    let setup = with_split(&Setup::new(SIZE));
     let images: Vec<_> =
         parts.iter().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload")).collect();
-    bench.shaders.with(&bench.gpu, edits, || {
+    bench.shaders.run_with(&bench.gpu, edits, || {
         let info = method(place.method);
         let effect = Effect::new(&mut stage.context, info, &setup, Wants::IMAGE, None).expect("the effect");
         let mut turn = || {
@@ -240,7 +239,7 @@ fn turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData])
 
 /// Returns the mean number of steps of a ray over the number of steps for which its group of `width` × `height` pixels
 /// runs.
-fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
+fn share_in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
     let [columns, rows] = SIZE.map(|side| side as usize);
     // The steps of all rays, and the steps for which their groups run, counted for each pixel of a group.
     let (mut sum, mut most) = (0.0, 0.0);
@@ -257,23 +256,23 @@ fn in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
 }
 
 /// Counts and times rays in other orders, and one in eight rays alone.
-fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
+fn measure_orders(bench: &Bench, stage: &mut Stage, place: &Place) {
     let (setup, materials) = (Setup::new(SIZE), globals(place.roughness, 0.1).materials(place.scene, place.view));
-    let work = work(bench, stage, place, &setup, &materials);
+    let work = count_work(bench, stage, place, &setup, &materials);
     let shot = Shot::new(stage, method(place.method), &setup, Wants::IMAGE, place.camera(), materials).expect("a shot");
     stage.run(&shot, Mode::Plain).expect("a frame");
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-    let alive = |i: usize| work[i].map(|_| i);
+    let if_it_has_a_ray = |i: usize| work[i].map(|_| i);
     if bench.wants("in-step") {
         for (variant, group) in [("8", [4, 2]), ("32", [8, 4])] {
-            place.row("in-step", variant, [in_step(&work, group); 3]);
+            place.print_row("in-step", variant, [share_in_step(&work, group); 3]);
         }
     }
     if bench.wants("order") {
-        let parts = ORDERS.map(|name| following(&data, order(name, &work).into_iter().map(alive)));
-        let turns = turns(bench, stage, place, &parts);
+        let parts = ORDERS.map(|name| follow_rays(&data, rays_in_order(name, &work).into_iter().map(if_it_has_a_ray)));
+        let turns = time_turns(bench, stage, place, &parts);
         for (n, name) in ORDERS.into_iter().enumerate() {
-            place.row("order", name, spread(turns.iter().map(|t| t[n] / t[0])));
+            place.print_row("order", name, spread(turns.iter().map(|t| t[n] / t[0])));
         }
     }
     if bench.wants("alone") {
@@ -281,17 +280,17 @@ fn orders(bench: &Bench, stage: &mut Stage, place: &Place) {
         // The rays of one pixel of each group, whose number in the group is `lane`.
         let rays_of_lane = |lane: usize| {
             let is_in_lane = move |i: usize| place_in_group(i) == [lane % 4, lane / 4];
-            following(&data, (0..work.len()).map(|i| alive(i).filter(|i| is_in_lane(*i))))
+            follow_rays(&data, (0..work.len()).map(|i| if_it_has_a_ray(i).filter(|i| is_in_lane(*i))))
         };
-        let all_rays = following(&data, (0..work.len()).map(alive));
+        let all_rays = follow_rays(&data, (0..work.len()).map(if_it_has_a_ray));
         let parts: Vec<_> = [all_rays].into_iter().chain((0..8).map(rays_of_lane)).collect();
-        let turns = turns(bench, stage, place, &parts);
-        place.row("alone", "1/8", spread(turns.iter().map(|t| super::mean(t[1..].iter().copied()) / t[0])));
+        let turns = time_turns(bench, stage, place, &parts);
+        place.print_row("alone", "1/8", spread(turns.iter().map(|t| super::mean(t[1..].iter().copied()) / t[0])));
     }
 }
 
 /// Counts and times rays that are reflected at other normals.
-fn normals(bench: &Bench, stage: &mut Stage, place: &Place) {
+fn measure_normals(bench: &Bench, stage: &mut Stage, place: &Place) {
     let changes: [(&str, super::Change); 3] = [
         ("shading", SAME),
         ("geometric", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Geometric)),
@@ -300,19 +299,19 @@ fn normals(bench: &Bench, stage: &mut Stage, place: &Place) {
     let bumpy = Globals { roughness: Some(place.roughness), ..Globals::default() };
     let materials = bumpy.materials(place.scene, place.view);
     let steps = changes.map(|(_, change)| {
-        let work = work(bench, stage, place, &change(&Setup::new(SIZE)), &materials);
+        let work = count_work(bench, stage, place, &change(&Setup::new(SIZE)), &materials);
         super::mean(work.into_iter().flatten().map(|(_, steps)| f64::from(steps)))
     });
     let shots = changes.map(|(_, change)| {
-        let (info, setup) = (method(place.method), change(&split(&Setup::new(SIZE))));
+        let (info, setup) = (method(place.method), change(&with_split(&Setup::new(SIZE))));
         Shot::new(stage, info, &setup, Wants::IMAGE, place.camera(), materials.clone()).expect("a shot")
     });
     let mut turn = || shots.each_ref().map(|shot| traced_ms(&stage.run(shot, Mode::Timed).expect("a frame").0));
     turn();
     let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
     for (n, (name, _)) in changes.into_iter().enumerate() {
-        place.row("normals", name, spread(turns.iter().map(|t| t[n] / t[0])));
-        place.row(&format!("steps-{name}"), name, [steps[n] / steps[0]; 3]);
+        place.print_row("normals", name, spread(turns.iter().map(|t| t[n] / t[0])));
+        place.print_row(&format!("steps-{name}"), name, [steps[n] / steps[0]; 3]);
     }
 }
 
@@ -326,10 +325,10 @@ pub fn run(bench: &Bench) {
         for (method, roughness) in METHODS {
             let place = Place { scene: &scene, view, roughness, method };
             if ["order", "alone", "in-step"].iter().any(|claim| bench.wants(claim)) {
-                orders(bench, &mut stage, &place);
+                measure_orders(bench, &mut stage, &place);
             }
             if bench.wants("normals") {
-                normals(bench, &mut stage, &place);
+                measure_normals(bench, &mut stage, &place);
             }
         }
     }

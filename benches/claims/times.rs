@@ -41,7 +41,7 @@ const TURNS: usize = 11;
 /// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [960, 540];
 /// Computes the cone's angle by Eq. 4.5 with an arc cosine, from the exponent of the lobe that a roughness stands for.
-const DETOUR: Edits = &[(
+const ARC_COSINE: Edits = &[(
     "thesis/cone_angle.glsl",
     "return 0.5 * max(roughness, 0.0);",
     "return roughness <= 0.0 ? 0.0 : acos(pow(0.244, 1.0 / (log(0.244) / log(cos(0.5 * roughness)) - 1.0 + 1.0)));",
@@ -70,7 +70,7 @@ pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
 }
 
 /// Prints a row for each variant. Each of `turns` has the times of all variants, in their order.
-fn print(claim: &str, method: &str, (scene, view): (&str, &str), variants: &[&str], turns: &[Vec<Times>]) {
+fn print_rows(claim: &str, method: &str, (scene, view): (&str, &str), variants: &[&str], turns: &[Vec<Times>]) {
     for (n, variant) in variants.iter().enumerate() {
         // The ratios to the first variant: part 0 of the times is the effect, and part 1 the scene passes.
         let ratios = |part: usize| spread(turns.iter().map(|turn| turn[n][part] / turn[0][part]));
@@ -103,7 +103,7 @@ fn take_turns(bench: &Bench, claim: &str, name: &str, subject: (&Scene, &View, &
     let shot = |variant: &Variant, stage: &mut Stage| {
         let materials = variant.globals.materials(scene, view);
         let setup = (variant.change)(&Setup::new(SIZE));
-        bench.shaders.with(&bench.gpu, variant.edits, || {
+        bench.shaders.run_with(&bench.gpu, variant.edits, || {
             Shot::new(stage, method(name), &setup, Wants::IMAGE, view.camera(scene, SIZE), materials).expect("a shot")
         })
     };
@@ -112,11 +112,11 @@ fn take_turns(bench: &Bench, claim: &str, name: &str, subject: (&Scene, &View, &
     turn();
     let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
     let names: Vec<_> = variants.iter().map(|v| v.name).collect();
-    print(claim, name, (&scene.name, &view.name), &names, &turns);
+    print_rows(claim, name, (&scene.name, &view.name), &names, &turns);
 }
 
 /// Times variants of methods on each of some views, if the claim is asked for.
-fn of_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(&str, Vec<Variant>)]) {
+fn time_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(&str, Vec<Variant>)]) {
     if !bench.wants(claim) {
         return;
     }
@@ -131,7 +131,7 @@ fn of_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(&s
 }
 
 /// Returns the vertex in the middle of two others.
-fn middle(a: &Vertex, b: &Vertex) -> Vertex {
+fn middle_vertex(a: &Vertex, b: &Vertex) -> Vertex {
     let direction = |a: [f32; 3], b: [f32; 3]| (Vec3::from(a) + Vec3::from(b)).normalize_or(Vec3::from(a)).to_array();
     let tangent = |v: &Vertex| Vec4::from(v.tangent).truncate().to_array();
     Vertex {
@@ -143,11 +143,11 @@ fn middle(a: &Vertex, b: &Vertex) -> Vertex {
 }
 
 /// Cuts every triangle of a mesh into four, at the middles of its edges.
-fn cut(mesh: &Mesh) -> Mesh {
+fn cut_into_four(mesh: &Mesh) -> Mesh {
     let mut cut = Mesh { vertices: Vec::new(), indices: Vec::new(), ..mesh.clone() };
     for corners in mesh.indices.chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|n| mesh.vertices[corners[n] as usize]);
-        let [ab, bc, ca] = [middle(&a, &b), middle(&b, &c), middle(&c, &a)];
+        let [ab, bc, ca] = [middle_vertex(&a, &b), middle_vertex(&b, &c), middle_vertex(&c, &a)];
         let first = cut.vertices.len() as u32;
         cut.vertices.extend([a, b, c, ab, bc, ca]);
         cut.indices.extend([0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5].map(|i| first + i));
@@ -156,30 +156,30 @@ fn cut(mesh: &Mesh) -> Mesh {
 }
 
 /// Times methods in turn on a scene and on a copy of it in which every triangle is cut into 16.
-fn triangles(bench: &Bench) {
+fn time_triangles(bench: &Bench) {
     let plain = scene("rooms");
-    let meshes = plain.meshes.iter().map(|m| cut(&cut(m))).collect();
+    let meshes = plain.meshes.iter().map(|m| cut_into_four(&cut_into_four(m))).collect();
     let fine = Scene { meshes, ..plain.clone() };
     let mut stages = [&plain, &fine].map(|scene| Stage::new(&bench.gpu, scene).expect("device memory"));
     for name in ["sslr", "ssct", "hzct", "planar"] {
         for view in plain.views.iter().filter(|v| ["corridor", "window-floor"].contains(&v.name.as_str())) {
             let materials = globals(0.1, 0.1).materials(&plain, view);
-            let [mut a, mut b] = stages.each_mut().map(|stage| {
+            let mut shots = stages.each_mut().map(|stage| {
                 let camera = view.camera(&plain, SIZE);
                 let shot = Shot::new(stage, method(name), &Setup::new(SIZE), Wants::IMAGE, camera, materials.clone());
                 (shot.expect("a shot"), stage)
             });
             let mut turn =
-                || [&mut a, &mut b].map(|(s, stage)| times(&stage.run(s, Mode::Timed).expect("a frame").0)).to_vec();
+                || shots.each_mut().map(|(s, stage)| times(&stage.run(s, Mode::Timed).expect("a frame").0)).to_vec();
             turn();
             let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
-            print("triangles", name, (&plain.name, &view.name), &["1", "16"], &turns);
+            print_rows("triangles", name, (&plain.name, &view.name), &["1", "16"], &turns);
         }
     }
 }
 
 /// Times screen-space methods in turn on G-buffers in which all, half, a quarter and a tenth of the pixels reflect.
-fn reflecting(bench: &Bench) {
+fn time_reflecting(bench: &Bench) {
     let scene = scene("rooms");
     let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
     for view in scene.views.iter().filter(|v| ["corridor", "window-floor"].contains(&v.name.as_str())) {
@@ -204,13 +204,13 @@ fn reflecting(bench: &Bench) {
             };
             turn();
             let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
-            print("reflecting", name, (&scene.name, &view.name), &["1", "0.5", "0.25", "0.1"], &turns);
+            print_rows("reflecting", name, (&scene.name, &view.name), &["1", "0.5", "0.25", "0.1"], &turns);
         }
     }
 }
 
 /// Times Schmidt's optimised march and the world reference in turn, on the view of his figure 47.
-fn ray_traced(bench: &Bench) {
+fn time_ray_traced(bench: &Bench) {
     const SMALL: [u32; 2] = [480, 270];
     let scene = scene("street");
     let view = scene.view("car").expect("a view");
@@ -232,7 +232,7 @@ fn ray_traced(bench: &Bench) {
     };
     turn();
     let turns: Vec<_> = (0..5).map(|_| turn()).collect();
-    print("ray-traced", "ssr-fast", (&scene.name, &view.name), &["march", "reference"], &turns);
+    print_rows("ray-traced", "ssr-fast", (&scene.name, &view.name), &["march", "reference"], &turns);
 }
 
 /// Times the claims that are asked for.
@@ -246,34 +246,34 @@ pub fn run(bench: &Bench) {
         step("20", |s| s.with(|p: &mut SsrParams| p.pixel_step = 20)),
     ];
     let schmidt = [("street", "puddles"), ("museum", "museum"), ("cathedral", "nave")];
-    of_views(bench, "pixel-step", &schmidt, &[("ssr", steps)]);
+    time_views(bench, "pixel-step", &schmidt, &[("ssr", steps)]);
 
     let views = [("rooms", "corridor"), ("rooms", "window-floor"), ("rooms", "two-cylinders"), ("atrium", "hall")];
-    let half = |roughness| {
+    let half_resolution = |roughness| {
         let smaller: Change = |s| s.with(|p: &mut EffectParams| p.resolution_scale = 0.5);
         vec![changed("1", roughness, SAME), changed("0.5", roughness, smaller)]
     };
-    of_views(bench, "half", &views, &[("ssct", half(0.1)), ("sslr", half(0.1))]);
+    time_views(bench, "half", &views, &[("ssct", half_resolution(0.1)), ("sslr", half_resolution(0.1))]);
     let gaussian: Change = |s| s.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian);
     let filters = vec![changed("hardware", 0.1, SAME), changed("gaussian", 0.1, gaussian)];
-    of_views(bench, "gaussian", &views, &[("ssct", filters)]);
+    time_views(bench, "gaussian", &views, &[("ssct", filters)]);
     let split: Change = |s| s.with(|p: &mut ThesisDrawing| p.split = true);
     let passes = |roughness| vec![changed("combined", roughness, SAME), changed("split", roughness, split)];
-    of_views(bench, "split", &views, &[("ssct", passes(0.1)), ("hzct", passes(0.1))]);
+    time_views(bench, "split", &views, &[("ssct", passes(0.1)), ("hzct", passes(0.1))]);
     let minima = vec![changed("printed", 0.1, SAME), Variant { edits: TRUE_MINIMA, ..changed("true", 0.1, SAME) }];
-    of_views(bench, "true-minima", &views, &[("ssct", minima)]);
-    let detour = vec![changed("half", 0.1, SAME), Variant { edits: DETOUR, ..changed("detour", 0.1, SAME) }];
-    of_views(bench, "angle", &views, &[("ssct", detour)]);
+    time_views(bench, "true-minima", &views, &[("ssct", minima)]);
+    let angles = vec![changed("half", 0.1, SAME), Variant { edits: ARC_COSINE, ..changed("detour", 0.1, SAME) }];
+    time_views(bench, "angle", &views, &[("ssct", angles)]);
     let rougher = |name, roughness| Variant { globals: globals(roughness, 0.1), ..changed(name, 0.1, SAME) };
     let roughness = || vec![rougher("0.1", 0.1), rougher("0.3", 0.3), rougher("0.6", 0.6), rougher("1", 1.0)];
-    of_views(bench, "roughness", &views, &[("ssct", roughness()), ("hzct", roughness()), ("sslr", roughness())]);
+    time_views(bench, "roughness", &views, &[("ssct", roughness()), ("hzct", roughness()), ("sslr", roughness())]);
     if bench.wants("triangles") {
-        triangles(bench);
+        time_triangles(bench);
     }
     if bench.wants("reflecting") {
-        reflecting(bench);
+        time_reflecting(bench);
     }
     if bench.wants("ray-traced") {
-        ray_traced(bench);
+        time_ray_traced(bench);
     }
 }

@@ -91,14 +91,14 @@ pub fn guard(run: impl FnOnce() -> Outcome<()>) -> SsctResult {
     match outcome {
         Ok(()) => SsctResult::Ok,
         Err(Failure { code, sentence }) => {
-            LAST.set(text(&sentence));
+            LAST.set(to_c_text(&sentence));
             code
         }
     }
 }
 
 /// Runs the body of a function for C that returns a value and not a code. Returns `otherwise` if the body fails.
-pub fn or<T>(otherwise: T, run: impl FnOnce() -> Outcome<T>) -> T {
+pub fn value_or<T>(otherwise: T, run: impl FnOnce() -> Outcome<T>) -> T {
     let mut returned = otherwise;
     guard(|| run().map(|value| returned = value));
     returned
@@ -145,19 +145,31 @@ pub unsafe trait SizedStruct: Copy {
     const NAME: &'static str;
 }
 
+/// Implements [`SizedStruct`] for structs that are `repr(C)`, begin with `struct_size: usize`, and have no other fields
+/// than numbers, handles and pointers.
+macro_rules! sized_structs {
+    ($($name:ident),+) => {$(
+        // SAFETY: the caller gives only structs that are as the comment above says.
+        unsafe impl $crate::border::SizedStruct for $name {
+            const NAME: &'static str = stringify!($name);
+        }
+    )+};
+}
+pub(crate) use sized_structs;
+
 /// Copies a struct out of the caller's memory. A struct of a later header may be longer than this library's; such a
 /// struct is accepted if all bytes that this library does not know are zero.
 ///
 /// # Safety
 /// The pointer is NULL, or points to a struct of the size in bytes that its first field states.
-pub unsafe fn take<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<T> {
-    // SAFETY: `size_of_theirs` asks the same of the pointer as this function.
-    let size = unsafe { size_of_theirs(argument, pointer) }?;
+pub unsafe fn copy_struct<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<T> {
+    // SAFETY: `stated_size` asks the same of the pointer as this function.
+    let size = unsafe { stated_size(argument, pointer) }?;
     let known = size_of::<T>();
-    // SAFETY: by the contract above, the caller's struct has `size` bytes, and `size_of_theirs` checked that this is
+    // SAFETY: by the contract above, the caller's struct has `size` bytes, and `stated_size` checked that this is
     // `known` or more.
-    let beyond = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>().add(known), size - known) };
-    if beyond.iter().any(|byte| *byte != 0) {
+    let unknown_bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>().add(known), size - known) };
+    if unknown_bytes.iter().any(|byte| *byte != 0) {
         let name = T::NAME;
         return Err(Failure::usage(format!(
             "the {name} of the argument {argument} has fields that this library, version {}, does not know",
@@ -172,8 +184,8 @@ pub unsafe fn take<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome
 /// of `T`, or is greater than any struct's.
 ///
 /// # Safety
-/// The contract is that of [`take`].
-pub unsafe fn size_of_theirs<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<usize> {
+/// The contract is that of [`copy_struct`].
+pub unsafe fn stated_size<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<usize> {
     if pointer.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
@@ -193,7 +205,7 @@ pub unsafe fn size_of_theirs<T: SizedStruct>(argument: &str, pointer: *const T) 
 ///
 /// # Safety
 /// The pointer is NULL or valid for as long as the call lasts.
-pub unsafe fn needed<'a, T>(argument: &str, pointer: *const T) -> Outcome<&'a T> {
+pub unsafe fn to_reference<'a, T>(argument: &str, pointer: *const T) -> Outcome<&'a T> {
     // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_ref() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
 }
@@ -202,7 +214,7 @@ pub unsafe fn needed<'a, T>(argument: &str, pointer: *const T) -> Outcome<&'a T>
 ///
 /// # Safety
 /// The pointer is NULL, or valid and nobody else's for as long as the call lasts.
-pub unsafe fn needed_mut<'a, T>(argument: &str, pointer: *mut T) -> Outcome<&'a mut T> {
+pub unsafe fn to_reference_mut<'a, T>(argument: &str, pointer: *mut T) -> Outcome<&'a mut T> {
     // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_mut() }.ok_or_else(|| Failure::usage(format!("the argument {argument} is NULL")))
 }
@@ -211,7 +223,7 @@ pub unsafe fn needed_mut<'a, T>(argument: &str, pointer: *mut T) -> Outcome<&'a 
 ///
 /// # Safety
 /// The pointer is NULL, or points to `count` elements that stay for as long as the call lasts.
-pub unsafe fn array<'a, T>(argument: &str, pointer: *const T, count: u32) -> Outcome<&'a [T]> {
+pub unsafe fn to_slice<'a, T>(argument: &str, pointer: *const T, count: u32) -> Outcome<&'a [T]> {
     match (count, pointer.is_null()) {
         (0, _) => Ok(&[]),
         (_, true) => Err(Failure::usage(format!("the argument {argument} is NULL, and its count is {count}"))),
@@ -224,7 +236,7 @@ pub unsafe fn array<'a, T>(argument: &str, pointer: *const T, count: u32) -> Out
 ///
 /// # Safety
 /// The pointer is NULL, or points to a text that ends with a zero byte and stays for as long as the call lasts.
-pub unsafe fn text_of<'a>(argument: &str, pointer: *const c_char) -> Outcome<&'a str> {
+pub unsafe fn read_text<'a>(argument: &str, pointer: *const c_char) -> Outcome<&'a str> {
     if pointer.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
@@ -234,7 +246,7 @@ pub unsafe fn text_of<'a>(argument: &str, pointer: *const c_char) -> Outcome<&'a
 }
 
 /// Makes a text for the caller, which ends with a zero byte. Zero bytes within the text become spaces.
-pub fn text(text: &str) -> CString {
+pub fn to_c_text(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
@@ -246,7 +258,7 @@ pub fn text(text: &str) -> CString {
 pub unsafe fn create<T: 'static>(argument: &str, to: *mut *mut T, make: impl FnOnce() -> Outcome<T>) -> SsctResult {
     guard(|| {
         // SAFETY: the caller keeps to the contract of this function.
-        let to = unsafe { needed_mut(argument, to) }?;
+        let to = unsafe { to_reference_mut(argument, to) }?;
         *to = std::ptr::null_mut();
         *to = Box::into_raw(Box::new(make()?));
         live::add(*to);
@@ -287,13 +299,10 @@ mod tests {
         more: u64,
     }
 
-    // SAFETY: `Known` is `repr(C)`, its first field is its size, and any bytes are a value of it.
-    unsafe impl SizedStruct for Known {
-        const NAME: &'static str = "Known";
-    }
+    sized_structs!(Known);
 
     /// Returns the sentence of `ssct_last_error`.
-    fn said() -> String {
+    fn last_sentence() -> String {
         // SAFETY: the function returns a text.
         unsafe { CStr::from_ptr(ssct_last_error()) }.to_str().unwrap().to_owned()
     }
@@ -302,26 +311,26 @@ mod tests {
     fn a_panic_is_a_code_and_a_sentence_and_the_object_does_nothing_more() {
         let mut object = Guarded::new(1);
         assert_eq!(guard(|| object.with(|_| panic!("a {}", "fault"))), SsctResult::Internal);
-        assert!(said().contains("a fault"), "{}", said());
+        assert!(last_sentence().contains("a fault"), "{}", last_sentence());
         assert_eq!(guard(|| object.with(|_| Ok(()))), SsctResult::Internal);
-        assert!(said().contains("destroy it"), "{}", said());
-        let mut whole = Guarded::new(1);
-        assert_eq!(guard(|| whole.with(|_| Err::<(), _>(Failure::usage("no")))), SsctResult::Usage);
-        assert_eq!(guard(|| whole.with(|_| Ok(()))), SsctResult::Ok, "an error breaks nothing");
-        assert_eq!(or(7, || panic!("{}", 1)), 7);
+        assert!(last_sentence().contains("destroy it"), "{}", last_sentence());
+        let mut intact = Guarded::new(1);
+        assert_eq!(guard(|| intact.with(|_| Err::<(), _>(Failure::usage("no")))), SsctResult::Usage);
+        assert_eq!(guard(|| intact.with(|_| Ok(()))), SsctResult::Ok, "an error breaks nothing");
+        assert_eq!(value_or(7, || panic!("{}", 1)), 7);
     }
 
     #[test]
     fn sentences_are_of_the_thread_whose_call_failed() {
         guard(|| Err(Failure::usage("here")));
         std::thread::spawn(|| {
-            assert_eq!(said(), "");
+            assert_eq!(last_sentence(), "");
             guard(|| Err(Failure::usage("there \0 and on")));
-            assert_eq!(said(), "there   and on");
+            assert_eq!(last_sentence(), "there   and on");
         })
         .join()
         .unwrap();
-        assert_eq!(said(), "here");
+        assert_eq!(last_sentence(), "here");
     }
 
     #[test]
@@ -329,23 +338,23 @@ mod tests {
         let known = Known { struct_size: size_of::<Known>(), value: 5 };
         // SAFETY: each struct has the size that it states, except where nothing but the size is read.
         unsafe {
-            assert_eq!(take("a", &known).unwrap().value, 5);
-            let refused = |size| take("a", &Known { struct_size: size, ..known }).err().unwrap().sentence;
-            assert!(refused(0).contains("Known of the argument a is 0; it must be sizeof(Known), which is 16"));
-            assert!(refused(8).contains("is 8") && refused(usize::MAX).contains("sizeof"));
-            let later = |more| {
+            assert_eq!(copy_struct("a", &known).unwrap().value, 5);
+            let sentence_for = |size| copy_struct("a", &Known { struct_size: size, ..known }).err().unwrap().sentence;
+            assert!(sentence_for(0).contains("Known of the argument a is 0; it must be sizeof(Known), which is 16"));
+            assert!(sentence_for(8).contains("is 8") && sentence_for(usize::MAX).contains("sizeof"));
+            let copy_later = |more| {
                 let later = Later { known: Known { struct_size: size_of::<Later>(), ..known }, more };
-                take("a", (&raw const later).cast::<Known>())
+                copy_struct("a", (&raw const later).cast::<Known>())
             };
-            assert_eq!(later(0).unwrap().value, 5);
-            let sentence = later(9).err().unwrap().sentence;
+            assert_eq!(copy_later(0).unwrap().value, 5);
+            let sentence = copy_later(9).err().unwrap().sentence;
             assert!(sentence.contains("does not know"), "{sentence}");
-            assert!(take::<Known>("a", std::ptr::null()).err().unwrap().sentence.contains("a is NULL"));
+            assert!(copy_struct::<Known>("a", std::ptr::null()).err().unwrap().sentence.contains("a is NULL"));
         }
     }
 
     #[test]
-    fn what_the_driver_says_has_a_code() {
+    fn every_result_of_the_driver_has_a_code() {
         use ash::vk::Result as R;
         let code = |result| Failure::from(ssct::Error::Vulkan { what: "a call".into(), result }).code;
         assert_eq!(code(R::NOT_READY), SsctResult::NotReady);

@@ -1,8 +1,8 @@
 //! Capture cubes: images of the scene around places.
 
-use crate::border::{Failure, Guarded, SizedStruct, SsctResult, array, create, destroy, guard, take};
+use crate::border::{Failure, Guarded, SsctResult, copy_struct, create, destroy, guard, sized_structs, to_slice};
 use crate::context::SsctContext;
-use crate::image::{SsctClipY, SsctImage, clip_y, image};
+use crate::image::{SsctClipY, SsctImage, to_clip_y, to_image_input};
 use crate::live;
 use crate::vulkan::VkCommandBuffer;
 use ssct::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
@@ -54,15 +54,7 @@ pub struct SsctCaptureFace {
     pub depth: *const SsctImage,
 }
 
-// SAFETY: the size is the first field, and the other fields are numbers and pointers.
-unsafe impl SizedStruct for SsctCaptureCubesInfo {
-    const NAME: &'static str = "SsctCaptureCubesInfo";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctCaptureFace {
-    const NAME: &'static str = "SsctCaptureFace";
-}
+sized_structs!(SsctCaptureCubesInfo, SsctCaptureFace);
 
 /// Makes the images of captures, which have no content yet, and writes the new object to `cubes`, or NULL if the call
 /// fails.
@@ -74,11 +66,11 @@ pub unsafe extern "C" fn ssct_capture_cubes_create(
 ) -> SsctResult {
     let make = || {
         // SAFETY: the header asks for such pointers.
-        let (context, info) = unsafe { (live::read("context", context)?, take("info", info)?) };
+        let (context, info) = unsafe { (live::read("context", context)?, copy_struct("info", info)?) };
         // SAFETY: the header asks for arrays of three numbers for each place, and of six numbers for the box.
         let (places, bounds) = unsafe {
             (
-                array("info.places", info.places.cast::<[f32; 3]>(), info.place_count)?,
+                to_slice("info.places", info.places.cast::<[f32; 3]>(), info.place_count)?,
                 info.bounds.cast::<[[f32; 3]; 2]>().as_ref().copied(),
             )
         };
@@ -88,7 +80,7 @@ pub unsafe extern "C" fn ssct_capture_cubes_create(
                 places,
                 side: info.side,
                 view_to_clip: info.view_to_clip,
-                clip_y: clip_y(info.clip_y)?,
+                clip_y: to_clip_y(info.clip_y)?,
                 bounds,
                 frames_in_flight: frames_in_flight(info.frames_in_flight)?,
             },
@@ -120,8 +112,9 @@ pub unsafe extern "C" fn ssct_capture_cubes_record_face(
         // SAFETY: the header asks for such pointers.
         let (mut cubes, input) = unsafe {
             let cubes = live::write("cubes", cubes)?;
-            let face = take("face", face)?;
-            let (color, depth) = (image("face.color", face.color, 1)?, image("face.depth", face.depth, 1)?);
+            let face = copy_struct("face", face)?;
+            let (color, depth) =
+                (to_image_input("face.color", face.color, 1)?, to_image_input("face.depth", face.depth, 1)?);
             (cubes, CaptureFaceInput { capture: face.capture as usize, face: face.face as usize, color, depth })
         };
         // SAFETY: the header asks the caller for the same of the command buffer, the slot and the images.

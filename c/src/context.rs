@@ -1,8 +1,8 @@
 //! The caller's device.
 
 use crate::border::{
-    Failure, Outcome, SizedStruct, SsctResult, create, destroy, guard, needed, needed_mut, or, size_of_theirs, take,
-    text,
+    Failure, Outcome, SsctResult, copy_struct, create, destroy, guard, sized_structs, stated_size, to_c_text,
+    to_reference, to_reference_mut, value_or,
 };
 use crate::live;
 use crate::memory::{CallersMemory, SsctMemory};
@@ -75,15 +75,7 @@ pub struct SsctMethod {
     pub summary: *const c_char,
 }
 
-// SAFETY: the size is the first field, and the other fields are integers and pointers.
-unsafe impl SizedStruct for SsctContextInfo {
-    const NAME: &'static str = "SsctContextInfo";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctDeviceInfo {
-    const NAME: &'static str = "SsctDeviceInfo";
-}
+sized_structs!(SsctContextInfo, SsctDeviceInfo);
 
 /// Returns the version of the library, such as "0.1.0".
 #[unsafe(no_mangle)]
@@ -105,9 +97,9 @@ pub unsafe extern "C" fn ssct_enable_features(
         // SAFETY: the header asks for pointers to such structs.
         let (features, features12, features13) = unsafe {
             (
-                needed_mut("features", features)?,
-                needed_mut("features12", features12)?,
-                needed_mut("features13", features13)?,
+                to_reference_mut("features", features)?,
+                to_reference_mut("features12", features12)?,
+                to_reference_mut("features13", features13)?,
             )
         };
         check_s_type("features12", features12.s_type, VkPhysicalDeviceVulkan12Features::default().s_type)?;
@@ -137,12 +129,12 @@ pub unsafe extern "C" fn ssct_context_create(
     let make = || {
         // SAFETY: the header asks for pointers to such structs, and for handles that belong together.
         let context = unsafe {
-            let info = take("info", info)?;
-            Context::new(handles(&info)?)?
+            let info = copy_struct("info", info)?;
+            Context::new(to_device_handles(&info)?)?
         };
         let device_info = context.info();
         let texts = [&device_info.name, &device_info.driver, &device_info.api, &device_info.kind];
-        let device = texts.map(|words| text(words));
+        let device = texts.map(|words| to_c_text(words));
         Ok(SsctContext { context, device })
     };
     // SAFETY: the header asks for a valid place.
@@ -164,7 +156,7 @@ pub unsafe extern "C" fn ssct_context_device_info(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such pointers.
-        let (context, struct_size) = unsafe { (live::read("context", context)?, size_of_theirs("info", info)?) };
+        let (context, struct_size) = unsafe { (live::read("context", context)?, stated_size("info", info)?) };
         let [name, driver, api, kind] = context.device.each_ref().map(|words| words.as_ptr());
         // SAFETY: the header asks for a struct of the stated size, which is at least the size of `SsctDeviceInfo`.
         unsafe { info.write(SsctDeviceInfo { struct_size, name, driver, api, kind }) };
@@ -176,7 +168,7 @@ pub unsafe extern "C" fn ssct_context_device_info(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_has_timestamps(context: *const SsctContext) -> bool {
     // SAFETY: the header asks for such a pointer.
-    or(false, || Ok(unsafe { live::read("context", context) }?.context.has_timestamps()))
+    value_or(false, || Ok(unsafe { live::read("context", context) }?.context.has_timestamps()))
 }
 
 /// Returns how many bytes of device memory the library has allocated with the context; 0 if the context has an
@@ -184,7 +176,7 @@ pub unsafe extern "C" fn ssct_context_has_timestamps(context: *const SsctContext
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContext) -> u64 {
     // SAFETY: the header asks for such a pointer.
-    or(0, || Ok(unsafe { live::read("context", context) }?.context.allocated_bytes()))
+    value_or(0, || Ok(unsafe { live::read("context", context) }?.context.allocated_bytes()))
 }
 
 /// Destroys the pipelines that no object uses now. Without this call such pipelines are kept, so that an object that is
@@ -192,7 +184,7 @@ pub unsafe extern "C" fn ssct_context_allocated_bytes(context: *const SsctContex
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
     // SAFETY: the header asks for such a pointer.
-    or((), || unsafe { live::read("context", context) }.map(|context| context.context.trim()));
+    value_or((), || unsafe { live::read("context", context) }.map(|context| context.context.trim()));
 }
 
 /// Returns an array of the methods that need no scene, and writes its length to `count`. All these methods need a
@@ -201,10 +193,10 @@ pub unsafe extern "C" fn ssct_context_trim(context: *const SsctContext) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_methods(count: *mut u32) -> *const SsctMethod {
     static METHODS: OnceLock<Methods> = OnceLock::new();
-    or(std::ptr::null(), || {
+    value_or(std::ptr::null(), || {
         let methods = METHODS.get_or_init(Methods::new);
         // SAFETY: the header asks for a valid place.
-        *unsafe { needed_mut("count", count) }? = methods.rows.len() as u32;
+        *unsafe { to_reference_mut("count", count) }? = methods.rows.len() as u32;
         Ok(methods.rows.as_ptr())
     })
 }
@@ -224,9 +216,9 @@ unsafe impl Sync for Methods {}
 impl Methods {
     /// Makes the rows of all methods that need no scene.
     fn new() -> Self {
-        let texts: Vec<_> = ssct::methods().flat_map(|(name, summary)| [text(name), text(summary)]).collect();
-        let row = |[name, summary]: &[CString; 2]| SsctMethod { name: name.as_ptr(), summary: summary.as_ptr() };
-        let rows = texts.as_chunks::<2>().0.iter().map(row).collect();
+        let texts: Vec<_> = ssct::methods().flat_map(|(name, summary)| [to_c_text(name), to_c_text(summary)]).collect();
+        let to_row = |[name, summary]: &[CString; 2]| SsctMethod { name: name.as_ptr(), summary: summary.as_ptr() };
+        let rows = texts.as_chunks::<2>().0.iter().map(to_row).collect();
         Self { _texts: texts, rows }
     }
 }
@@ -235,7 +227,7 @@ impl Methods {
 ///
 /// # Safety
 /// The handles are NULL or belong together, and pointers are NULL or to such structs.
-unsafe fn handles(info: &SsctContextInfo) -> Result<DeviceHandles, Failure> {
+unsafe fn to_device_handles(info: &SsctContextInfo) -> Result<DeviceHandles, Failure> {
     for (name, is_null) in [
         ("instance", info.instance.is_null()),
         ("physical_device", info.physical_device.is_null()),
@@ -248,19 +240,21 @@ unsafe fn handles(info: &SsctContextInfo) -> Result<DeviceHandles, Failure> {
     // SAFETY: the caller keeps to the contract above. Structs that are chained to the features are not read.
     unsafe {
         let enabled = EnabledFeatures {
-            core: *needed("features", info.features)?,
+            core: *to_reference("features", info.features)?,
             vulkan12: vk::PhysicalDeviceVulkan12Features {
                 p_next: std::ptr::null_mut(),
-                ..*needed("features12", info.features12)?
+                ..*to_reference("features12", info.features12)?
             },
             vulkan13: vk::PhysicalDeviceVulkan13Features {
                 p_next: std::ptr::null_mut(),
-                ..*needed("features13", info.features13)?
+                ..*to_reference("features13", info.features13)?
             },
         };
         let memory = match info.memory.is_null() {
             true => None,
-            false => Some(Box::new(CallersMemory::new(&take("memory", info.memory)?)?) as Box<dyn ssct::DeviceMemory>),
+            false => {
+                Some(Box::new(CallersMemory::new(&copy_struct("memory", info.memory)?)?) as Box<dyn ssct::DeviceMemory>)
+            }
         };
         let entry = match info.get_instance_proc_addr {
             Some(get_instance_proc_addr) => ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }),

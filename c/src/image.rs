@@ -1,6 +1,6 @@
 //! The caller's images and camera.
 
-use crate::border::{Failure, Outcome, SizedStruct, or, take};
+use crate::border::{Failure, Outcome, copy_struct, sized_structs, value_or};
 use crate::vulkan::{
     VkAccessFlags2, VkBool32, VkExtent2D, VkFormat, VkImage, VkImageLayout, VkImageSubresourceRange, VkImageUsageFlags,
     VkImageView, VkPipelineStageFlags2,
@@ -157,37 +157,14 @@ pub struct SsctMotion {
     pub jittered: VkBool32,
 }
 
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctImage {
-    const NAME: &'static str = "SsctImage";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctCamera {
-    const NAME: &'static str = "SsctCamera";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctNormals {
-    const NAME: &'static str = "SsctNormals";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctFactor {
-    const NAME: &'static str = "SsctFactor";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctMotion {
-    const NAME: &'static str = "SsctMotion";
-}
+sized_structs!(SsctImage, SsctCamera, SsctNormals, SsctFactor, SsctMotion);
 
 /// Returns layout, stages and accesses of a common use of an image; a struct of zeros for a number that is none of
 /// SSCT_USE_*.
 #[unsafe(no_mangle)]
 pub extern "C" fn ssct_image_use(kind: SsctUse) -> SsctImageUse {
-    let none = SsctImageUse { layout: VkImageLayout::UNDEFINED, stages: 0, access: 0 };
-    or(none, || {
+    let no_use = SsctImageUse { layout: VkImageLayout::UNDEFINED, stages: 0, access: 0 };
+    value_or(no_use, || {
         let known = match kind {
             SSCT_USE_FRAGMENT_SAMPLED => ImageUse::FRAGMENT_SAMPLED,
             SSCT_USE_COMPUTE_SAMPLED => ImageUse::COMPUTE_SAMPLED,
@@ -209,7 +186,7 @@ pub fn none_of(names: &str, field: &str, value: u32) -> Failure {
 
 impl SsctImageUse {
     /// Converts the use to the Rust interface's type. A struct of zeros becomes [`ImageUse::FRAGMENT_SAMPLED`].
-    pub fn taken(self) -> ImageUse {
+    pub fn to_image_use(self) -> ImageUse {
         let Self { layout, stages, access } = self;
         if layout == VkImageLayout::UNDEFINED && stages == 0 && access == 0 {
             return ImageUse::FRAGMENT_SAMPLED;
@@ -224,10 +201,10 @@ impl SsctImageUse {
 ///
 /// # Safety
 /// The pointer is NULL or points to such a struct.
-pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> Outcome<ImageInput> {
+pub unsafe fn to_image_input(argument: &str, pointer: *const SsctImage, layers: u32) -> Outcome<ImageInput> {
     // SAFETY: the caller keeps to the contract of this function.
     let SsctImage { image, view, format, extent, mut part, mut usage, before, after, .. } =
-        unsafe { take(argument, pointer) }?;
+        unsafe { copy_struct(argument, pointer) }?;
     if part.aspect_mask.is_empty() {
         part.aspect_mask = aspects(format);
     }
@@ -240,7 +217,8 @@ pub unsafe fn image(argument: &str, pointer: *const SsctImage, layers: u32) -> O
         usage = VkImageUsageFlags::SAMPLED | VkImageUsageFlags::STORAGE;
     }
     let extent = [extent.width, extent.height];
-    Ok(ImageInput { image, view, part, format, extent, usage, before: before.taken(), after: after.taken() })
+    let (before, after) = (before.to_image_use(), after.to_image_use());
+    Ok(ImageInput { image, view, part, format, extent, usage, before, after })
 }
 
 /// Returns all aspects (colour, depth, stencil) that an image of a format has.
@@ -256,7 +234,7 @@ fn aspects(format: VkFormat) -> vk::ImageAspectFlags {
 }
 
 /// Converts a constant of the header to the Rust interface's type; fails for a number that is none of SSCT_CLIP_Y_*.
-pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
+pub fn to_clip_y(value: SsctClipY) -> Outcome<ClipY> {
     match value {
         SSCT_CLIP_Y_DOWN => Ok(ClipY::Down),
         SSCT_CLIP_Y_UP => Ok(ClipY::Up),
@@ -267,22 +245,22 @@ pub fn clip_y(value: SsctClipY) -> Outcome<ClipY> {
 /// Copies the caller's camera into the Rust interface's type.
 ///
 /// # Safety
-/// The contract is that of [`image`].
-pub unsafe fn camera(pointer: *const SsctCamera) -> Outcome<CameraInput> {
+/// The contract is that of [`to_image_input`].
+pub unsafe fn to_camera_input(pointer: *const SsctCamera) -> Outcome<CameraInput> {
     // SAFETY: the caller keeps to the contract of this function.
-    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { take("camera", pointer) }?;
-    Ok(CameraInput { world_to_view, view_to_clip, clip_y: clip_y(y)? })
+    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { copy_struct("camera", pointer) }?;
+    Ok(CameraInput { world_to_view, view_to_clip, clip_y: to_clip_y(y)? })
 }
 
 /// Copies the caller's description of normals into the Rust interface's type.
 ///
 /// # Safety
-/// The contract is that of [`image`].
-pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
+/// The contract is that of [`to_image_input`].
+pub unsafe fn to_normal_input(pointer: *const SsctNormals) -> Outcome<NormalInput> {
     // SAFETY: the caller keeps to the contract of this function.
     let (normals, image) = unsafe {
-        let normals = take("normals", pointer)?;
-        (normals, image("normals.image", normals.image, 1)?)
+        let normals = copy_struct("normals", pointer)?;
+        (normals, to_image_input("normals.image", normals.image, 1)?)
     };
     let space = match normals.space {
         SSCT_NORMAL_SPACE_VIEW => NormalSpace::View,
@@ -299,34 +277,33 @@ pub unsafe fn normals(pointer: *const SsctNormals) -> Outcome<NormalInput> {
     Ok(NormalInput { image, space, encoding })
 }
 
-/// Copies the caller's factor into the Rust interface's type: one value if `image` is NULL, else a channel of the
-/// image. Its part has one layer unless the caller gives a number of layers.
+/// Copies the caller's factor into the Rust interface's type: one value if `image` is NULL, else a channel of the image.
 ///
 /// # Safety
-/// The contract is that of [`image`].
-pub unsafe fn factor(argument: &str, pointer: *const SsctFactor) -> Outcome<FactorInput> {
+/// The contract is that of [`to_image_input`].
+pub unsafe fn to_factor_input(argument: &str, pointer: *const SsctFactor) -> Outcome<FactorInput> {
     // SAFETY: the caller keeps to the contract of this function.
     unsafe {
-        let factor = take(argument, pointer)?;
+        let factor = copy_struct(argument, pointer)?;
         if factor.image.is_null() {
             return Ok(FactorInput::Constant(factor.value));
         }
-        Ok(FactorInput::Channel(image(&format!("{argument}.image"), factor.image, 1)?, factor.channel))
+        Ok(FactorInput::Channel(to_image_input(&format!("{argument}.image"), factor.image, 1)?, factor.channel))
     }
 }
 
 /// Copies the caller's motion into the Rust interface's type; `None` for NULL.
 ///
 /// # Safety
-/// The contract is that of [`image`].
-pub unsafe fn motion(argument: &str, pointer: *const SsctMotion) -> Outcome<Option<MotionInput>> {
+/// The contract is that of [`to_image_input`].
+pub unsafe fn to_motion_input(argument: &str, pointer: *const SsctMotion) -> Outcome<Option<MotionInput>> {
     if pointer.is_null() {
         return Ok(None);
     }
     // SAFETY: the caller keeps to the contract of this function.
     unsafe {
-        let SsctMotion { image: pointer, scale, jittered, .. } = take(argument, pointer)?;
-        let image = image(&format!("{argument}.image"), pointer, 1)?;
+        let SsctMotion { image: pointer, scale, jittered, .. } = copy_struct(argument, pointer)?;
+        let image = to_image_input(&format!("{argument}.image"), pointer, 1)?;
         Ok(Some(MotionInput { image, scale, jittered: jittered != vk::FALSE }))
     }
 }

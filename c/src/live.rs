@@ -35,7 +35,7 @@ pub fn add<T: 'static>(object: *const T) {
 /// [`Failure::usage`] for an object that is not in the table, or that a call uses.
 pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
     let mut all = objects();
-    let known = found("object", object, &mut all)?;
+    let known = find_object("object", object, &mut all)?;
     if known.readers > 0 || known.is_written {
         return Err(in_use("object"));
     }
@@ -45,7 +45,7 @@ pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
 
 /// Finds an object of the type `T` in the table by its address. Fails for NULL, and if no such object is at the
 /// address.
-fn found<'o, T: 'static>(
+fn find_object<'o, T: 'static>(
     argument: &str,
     object: *const T,
     all: &'o mut BTreeMap<usize, Object>,
@@ -77,7 +77,7 @@ pub struct Written<'a, T>(&'a mut T);
 /// If the table has an object of this type at the address, the object is freed only after [`remove`].
 pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Read<'a, T>> {
     let mut all = objects();
-    let known = found(argument, object, &mut all)?;
+    let known = find_object(argument, object, &mut all)?;
     if known.is_written {
         return Err(in_use(argument));
     }
@@ -90,7 +90,7 @@ pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<
 ///
 /// # Safety
 /// The contract is that of [`read`].
-pub unsafe fn read_any<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Option<Read<'a, T>>> {
+pub unsafe fn read_optional<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Option<Read<'a, T>>> {
     // SAFETY: the caller keeps to the contract of this function.
     if object.is_null() { Ok(None) } else { unsafe { read(argument, object) }.map(Some) }
 }
@@ -101,7 +101,7 @@ pub unsafe fn read_any<'a, T: 'static>(argument: &str, object: *const T) -> Outc
 /// The contract is that of [`read`].
 pub unsafe fn write<'a, T: 'static>(argument: &str, object: *mut T) -> Outcome<Written<'a, T>> {
     let mut all = objects();
-    let known = found(argument, object, &mut all)?;
+    let known = find_object(argument, object, &mut all)?;
     if known.is_written || known.readers > 0 {
         return Err(in_use(argument));
     }

@@ -1,6 +1,6 @@
 //! The caller's allocator.
 
-use crate::border::{Failure, Outcome, SizedStruct, text, text_of};
+use crate::border::{Failure, Outcome, read_text, sized_structs, to_c_text};
 use crate::vulkan::{VkDeviceMemory, VkMemoryRequirements};
 use ash::vk;
 use ssct::{DeviceMemory, MemoryBlock, MemoryPlace};
@@ -57,10 +57,7 @@ pub struct SsctMemory {
     pub release: Option<unsafe extern "C" fn(user_data: *mut c_void, block: *const SsctMemoryBlock)>,
 }
 
-// SAFETY: the size is the first field, and the other fields are integers and pointers.
-unsafe impl SizedStruct for SsctMemory {
-    const NAME: &'static str = "SsctMemory";
-}
+sized_structs!(SsctMemory);
 
 type Allocate = unsafe extern "C" fn(
     *mut c_void,
@@ -109,7 +106,7 @@ unsafe impl DeviceMemory for CallersMemory {
         };
         let mut block =
             SsctMemoryBlock { memory: vk::DeviceMemory::null(), offset: 0, mapped: std::ptr::null_mut(), key: 0 };
-        let name = text(name);
+        let name = to_c_text(name);
         // SAFETY: the caller gave the function for these arguments, which live through the call. The function returns
         // NULL or a text.
         let failure = unsafe {
@@ -117,7 +114,7 @@ unsafe impl DeviceMemory for CallersMemory {
             if why.is_null() {
                 None
             } else {
-                Some(text_of("allocate", why).unwrap_or("it does not say why").to_owned())
+                Some(read_text("allocate", why).unwrap_or("it does not say why").to_owned())
             }
         };
         if let Some(why) = failure {

@@ -3,16 +3,16 @@
 mod reported;
 
 use crate::border::{
-    Failure, Guarded, Outcome, SizedStruct, SsctResult, array, create, destroy, guard, needed_mut, size_of_theirs,
-    take, text, text_of,
+    Failure, Guarded, Outcome, SsctResult, copy_struct, create, destroy, guard, read_text, sized_structs, stated_size,
+    to_c_text, to_reference_mut, to_slice,
 };
 use crate::captures::{SsctCaptureCubes, frames_in_flight};
 use crate::context::SsctContext;
 use crate::image::{
-    SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctMotion, SsctNormals, camera, factor, image, motion, none_of,
-    normals,
+    SsctCamera, SsctFactor, SsctImage, SsctImageUse, SsctMotion, SsctNormals, none_of, to_camera_input,
+    to_factor_input, to_image_input, to_motion_input, to_normal_input,
 };
-use crate::live::{self, Written};
+use crate::live;
 use crate::triangles::SsctTriangles;
 use crate::vulkan::{VkBool32, VkCommandBuffer, VkExtent2D, VkFormat, VkImage, VkImageView};
 use ash::vk;
@@ -216,20 +216,7 @@ pub struct SsctPassTime {
     pub counted: bool,
 }
 
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctReflectionsInfo {
-    const NAME: &'static str = "SsctReflectionsInfo";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctFrame {
-    const NAME: &'static str = "SsctFrame";
-}
-
-// SAFETY: the size is the first field, and the other fields are numbers, handles and pointers.
-unsafe impl SizedStruct for SsctRecorded {
-    const NAME: &'static str = "SsctRecorded";
-}
+sized_structs!(SsctReflectionsInfo, SsctFrame, SsctRecorded);
 
 /// Makes all that the frames of a view need, and writes the new object to `reflections`, or NULL if the call fails.
 /// Nothing is submitted.
@@ -242,14 +229,14 @@ pub unsafe extern "C" fn ssct_reflections_create(
     let make = || {
         // SAFETY: the header asks for such pointers.
         unsafe {
-            let (context, info) = (live::read("context", context)?, take("info", info)?);
-            let _read = live::read_any("info.triangles", info.triangles)?;
-            let method = if info.method.is_null() { "unified" } else { text_of("info.method", info.method)? };
-            let pair =
-                |p: &SsctParameter| Ok((text_of("parameter.name", p.name)?, text_of("parameter.value", p.value)?));
-            let parameters = array("info.parameters", info.parameters, info.parameter_count)?;
-            let parameters: Vec<_> = parameters.iter().map(pair).collect::<Outcome<_>>()?;
-            reflections_of(&context, &info, method, (&parameters, triangles(info.triangles)?))
+            let (context, info) = (live::read("context", context)?, copy_struct("info", info)?);
+            let _lock = live::read_optional("info.triangles", info.triangles)?;
+            let method = if info.method.is_null() { "unified" } else { read_text("info.method", info.method)? };
+            let to_pair =
+                |p: &SsctParameter| Ok((read_text("parameter.name", p.name)?, read_text("parameter.value", p.value)?));
+            let parameters = to_slice("info.parameters", info.parameters, info.parameter_count)?;
+            let parameters: Vec<_> = parameters.iter().map(to_pair).collect::<Outcome<_>>()?;
+            create_reflections(&context, &info, method, (&parameters, usable_triangles(info.triangles)?))
         }
     };
     // SAFETY: the header asks for a valid place.
@@ -258,14 +245,14 @@ pub unsafe extern "C" fn ssct_reflections_create(
 
 /// Makes reflections from the caller's description `info`. Its pointers were already read into `method`, `parameters`
 /// and `triangles`.
-fn reflections_of(
+fn create_reflections(
     context: &SsctContext,
     info: &SsctReflectionsInfo,
     method: &str,
     (parameters, triangles): (&[(&str, &str)], Option<&Triangles>),
 ) -> Outcome<SsctReflections> {
-    let known = SSCT_OUTPUT_COMPOSITE | SSCT_OUTPUT_REFLECTION | SSCT_OUTPUT_HITS;
-    if info.outputs & !known != 0 {
+    let all_outputs = SSCT_OUTPUT_COMPOSITE | SSCT_OUTPUT_REFLECTION | SSCT_OUTPUT_HITS;
+    if info.outputs & !all_outputs != 0 {
         return Err(Failure::usage(format!(
             "info.outputs is {}, which has bits that are none of SSCT_OUTPUT_*",
             info.outputs
@@ -276,7 +263,7 @@ fn reflections_of(
         &context.context,
         &ReflectionsInfo {
             extent: [info.extent.width, info.extent.height],
-            projection: projection(info.projection)?,
+            projection: to_projection(info.projection)?,
             method,
             parameters,
             captures: Some(info.capture_side).filter(|side| *side != 0),
@@ -292,7 +279,7 @@ fn reflections_of(
 
 /// Converts a constant of the header to the Rust interface's type; fails for a number that is none of
 /// SSCT_PROJECTION_*.
-fn projection(value: SsctProjection) -> Outcome<ProjectionKind> {
+fn to_projection(value: SsctProjection) -> Outcome<ProjectionKind> {
     match value {
         SSCT_PROJECTION_PERSPECTIVE => Ok(ProjectionKind::Perspective),
         SSCT_PROJECTION_ORTHOGRAPHIC => Ok(ProjectionKind::Orthographic),
@@ -311,21 +298,19 @@ pub unsafe extern "C" fn ssct_reflections_destroy(reflections: *mut SsctReflecti
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_resize(reflections: *mut SsctReflections, extent: VkExtent2D) -> SsctResult {
     // SAFETY: the header asks for such a pointer.
-    with(|| unsafe { live::write("reflections", reflections) }, |r| Ok(r.resize([extent.width, extent.height])?))
+    unsafe { change_reflections(reflections, |r| Ok(r.resize([extent.width, extent.height])?)) }
 }
 
 /// Forgets the frames that the parameter "history" averages, so that the next frame stands alone. Call it after a cut, and after a
 /// command buffer was thrown away.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ssct_reflections_restart_history(reflections: *mut SsctReflections) -> SsctResult {
+    let restart = |reflections: &mut Reflections| {
+        reflections.restart_history();
+        Ok(())
+    };
     // SAFETY: the header asks for such a pointer.
-    with(
-        || unsafe { live::write("reflections", reflections) },
-        |r| {
-            r.restart_history();
-            Ok(())
-        },
-    )
+    unsafe { change_reflections(reflections, restart) }
 }
 
 /// Records a frame's reflections into a command buffer. The call submits nothing and does not wait. After one frame in
@@ -349,23 +334,23 @@ pub unsafe extern "C" fn ssct_reflections_record(
 ) -> SsctResult {
     guard(|| {
         // SAFETY: the header asks for such pointers.
-        let (mut object, _read, input, struct_size) = unsafe {
-            let frame = take("frame", frame)?;
+        let (mut object, _locks, input, struct_size) = unsafe {
+            let frame = copy_struct("frame", frame)?;
             let object = live::write("reflections", reflections)?;
-            let captures = live::read_any("frame.captures", frame.captures)?;
-            let read = (captures, live::read_any("frame.triangles", frame.triangles)?);
-            let size = if recorded.is_null() { None } else { Some(size_of_theirs("recorded", recorded)?) };
-            (object, read, frame_input(&frame)?, size)
+            let captures = live::read_optional("frame.captures", frame.captures)?;
+            let locks = (captures, live::read_optional("frame.triangles", frame.triangles)?);
+            let size = if recorded.is_null() { None } else { Some(stated_size("recorded", recorded)?) };
+            (object, locks, to_frame_input(&frame)?, size)
         };
         if commands == VkCommandBuffer::null() {
             return Err(Failure::usage("the argument commands is a null handle"));
         }
         // SAFETY: the header asks the caller for the same of the command buffer, the slot and the images.
-        let made = object.reflections.with(|r| Ok(unsafe { r.record(commands, &input) }?))?;
-        object.recorded = Report::new(&made);
+        let output = object.reflections.with(|r| Ok(unsafe { r.record(commands, &input) }?))?;
+        object.recorded = Report::new(&output);
         if let Some(struct_size) = struct_size {
             // SAFETY: the header asks for a struct of the stated size, which is at least the size of `SsctRecorded`.
-            unsafe { recorded.write(object.recorded.shown(&made, struct_size)) };
+            unsafe { recorded.write(object.recorded.to_c_struct(&output, struct_size)) };
         }
         Ok(())
     })
@@ -384,60 +369,65 @@ pub unsafe extern "C" fn ssct_reflections_times(
     guard(|| {
         // SAFETY: the header asks for such pointers.
         let (mut object, times, count) = unsafe {
-            (live::write("reflections", reflections)?, needed_mut("times", times)?, needed_mut("count", count)?)
+            (
+                live::write("reflections", reflections)?,
+                to_reference_mut("times", times)?,
+                to_reference_mut("count", count)?,
+            )
         };
         let pass_times = object.reflections.with(|r| Ok(r.times(slot as usize)?))?;
-        let names: Vec<_> = pass_times.iter().map(|time| text(&time.name)).collect();
-        let row = |(time, name): (&ssct::PassTime, &CString)| SsctPassTime {
+        let names: Vec<_> = pass_times.iter().map(|time| to_c_text(&time.name)).collect();
+        let to_row = |(time, name): (&ssct::PassTime, &CString)| SsctPassTime {
             name: name.as_ptr(),
             ms: time.ms,
             start_ms: time.start_ms,
             counted: time.counted,
         };
-        let rows = pass_times.iter().zip(&names).map(row).collect();
+        let rows = pass_times.iter().zip(&names).map(to_row).collect();
         object.times = Times { _names: names, rows };
         (*times, *count) = (object.times.rows.as_ptr(), object.times.rows.len() as u32);
         Ok(())
     })
 }
 
-/// Runs a function that changes reflections, and returns the code of the result. The closure `object` finds the object.
-fn with<'a>(
-    object: impl FnOnce() -> Outcome<Written<'a, SsctReflections>>,
+/// Runs a function that changes reflections, and returns the code of the result.
+///
+/// # Safety
+/// The contract is that of [`live::write`].
+unsafe fn change_reflections(
+    reflections: *mut SsctReflections,
     run: impl FnOnce(&mut Reflections) -> Outcome<()>,
 ) -> SsctResult {
-    guard(|| {
-        let mut object = object()?;
-        object.reflections.with(run)
-    })
+    // SAFETY: the caller keeps to the contract of this function.
+    guard(|| unsafe { live::write("reflections", reflections) }?.reflections.with(run))
 }
 
 /// Copies the caller's description of a frame into the Rust interface's type.
 ///
 /// # Safety
 /// Each pointer is NULL or points to a value of its type.
-unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
+unsafe fn to_frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
     // SAFETY: the caller keeps to the contract of this function.
     unsafe {
         Ok(FrameInput {
             slot: frame.slot as usize,
-            camera: camera(frame.camera)?,
-            depth: image("frame.depth", frame.depth, 1)?,
-            normal: normals(frame.normals)?,
-            reflectivity: factor("frame.reflectivity", frame.reflectivity)?,
-            roughness: factor("frame.roughness", frame.roughness)?,
-            reflectors: reflectors(frame.reflectors)?,
-            color: image("frame.color", frame.color, 1)?,
-            sky: if frame.sky.is_null() { None } else { Some(image("frame.sky", frame.sky, 6)?) },
-            captures: captures(frame.captures)?,
-            triangles: triangles(frame.triangles)?,
+            camera: to_camera_input(frame.camera)?,
+            depth: to_image_input("frame.depth", frame.depth, 1)?,
+            normal: to_normal_input(frame.normals)?,
+            reflectivity: to_factor_input("frame.reflectivity", frame.reflectivity)?,
+            roughness: to_factor_input("frame.roughness", frame.roughness)?,
+            reflectors: to_reflectors(frame.reflectors)?,
+            color: to_image_input("frame.color", frame.color, 1)?,
+            sky: if frame.sky.is_null() { None } else { Some(to_image_input("frame.sky", frame.sky, 6)?) },
+            captures: usable_captures(frame.captures)?,
+            triangles: usable_triangles(frame.triangles)?,
             triangle_numbers: match frame.triangle_numbers.is_null() {
                 true => None,
-                false => Some(image("frame.triangle_numbers", frame.triangle_numbers, 1)?),
+                false => Some(to_image_input("frame.triangle_numbers", frame.triangle_numbers, 1)?),
             },
-            motion: motion("frame.motion", frame.motion)?,
+            motion: to_motion_input("frame.motion", frame.motion)?,
             timed: frame.timed != vk::FALSE,
-            outputs: frame.outputs.taken(),
+            outputs: frame.outputs.to_image_use(),
         })
     }
 }
@@ -446,7 +436,7 @@ unsafe fn frame_input<'a>(frame: &SsctFrame) -> Outcome<FrameInput<'a>> {
 ///
 /// # Safety
 /// The pointer is NULL, or valid for as long as the result is used.
-unsafe fn captures<'a>(pointer: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
+unsafe fn usable_captures<'a>(pointer: *const SsctCaptureCubes) -> Outcome<Option<&'a CaptureCubes>> {
     // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_ref() }.map(|captures| captures.cubes.get()).transpose()
 }
@@ -454,14 +444,14 @@ unsafe fn captures<'a>(pointer: *const SsctCaptureCubes) -> Outcome<Option<&'a C
 /// Returns the triangles behind a frame's pointer; `None` for NULL. Fails if an earlier fault left them unusable.
 ///
 /// # Safety
-/// The contract is that of [`captures`].
-unsafe fn triangles<'a>(pointer: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
+/// The contract is that of [`usable_captures`].
+unsafe fn usable_triangles<'a>(pointer: *const SsctTriangles) -> Outcome<Option<&'a Triangles>> {
     // SAFETY: the caller keeps to the contract of this function.
     unsafe { pointer.as_ref() }.map(|triangles| triangles.triangles.get()).transpose()
 }
 
 /// Converts the header's flags to the Rust interface's type; fails for flags that do not go together.
-fn reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {
+fn to_reflectors(flags: SsctReflectors) -> Outcome<Reflectors> {
     let has = |flag| flags & flag != 0;
     match flags {
         SSCT_REFLECTORS_UNKNOWN => Ok(Reflectors::UNKNOWN),

@@ -25,23 +25,35 @@ use std::ptr::{null, null_mut};
 
 /// Makes a struct of zeros except for its size, as `{ .struct_size = sizeof s }` does in C.
 fn sized<T: Copy>(size: usize) -> T {
-    let mut made = std::mem::MaybeUninit::<T>::zeroed();
+    let mut value = std::mem::MaybeUninit::<T>::zeroed();
     // Every struct of the interface may consist of zeros, and its first field is its size.
     unsafe {
-        made.as_mut_ptr().cast::<usize>().write(size);
-        made.assume_init()
+        value.as_mut_ptr().cast::<usize>().write(size);
+        value.assume_init()
     }
 }
 
 /// Returns the sentence of `ssct_last_error`.
-fn said() -> String {
+fn last_sentence() -> String {
     unsafe { CStr::from_ptr(ssct_last_error()) }.to_str().unwrap().to_owned()
+}
+
+/// Asserts that a call succeeded.
+#[track_caller]
+fn assert_ok(result: SsctResult) {
+    assert_eq!(result, SsctResult::Ok, "{}", last_sentence());
 }
 
 /// Asserts that a call failed with a code, and that the sentence on the failure has some words.
 #[track_caller]
-fn refused(result: SsctResult, code: SsctResult, words: &str) {
-    assert!(result == code && said().contains(words), "{result:?}: {}", said());
+fn assert_failed(result: SsctResult, code: SsctResult, words: &str) {
+    assert!(result == code && last_sentence().contains(words), "{result:?}: {}", last_sentence());
+}
+
+/// Asserts that a call failed because an argument is wrong, and that the sentence on the failure has some words.
+#[track_caller]
+fn assert_refused(result: SsctResult, words: &str) {
+    assert_failed(result, SsctResult::Usage, words);
 }
 
 /// A projection with an angle of view of a quarter turn, along +z, with y up, and reversed depth without a far plane.
@@ -59,10 +71,9 @@ fn view(side: u32) -> SsctReflectionsInfo {
 }
 
 /// Makes reflections, and asserts that the call succeeds.
-fn made(context: *const SsctContext, info: &SsctReflectionsInfo) -> *mut SsctReflections {
+fn make_reflections(context: *const SsctContext, info: &SsctReflectionsInfo) -> *mut SsctReflections {
     let mut reflections = null_mut();
-    let result = unsafe { ssct_reflections_create(context, info, &mut reflections) };
-    assert_eq!(result, SsctResult::Ok, "{}", said());
+    assert_ok(unsafe { ssct_reflections_create(context, info, &mut reflections) });
     reflections
 }
 
@@ -123,8 +134,8 @@ fn structs_of_another_type_are_refused() {
     let s_type = features12.s_type;
     let mut features13 = vk::PhysicalDeviceVulkan13Features { s_type, ..Default::default() };
     // SAFETY: each pointer is to a live struct of the type that the function takes; only the `sType` of the third is wrong.
-    let untyped = unsafe { ssct_enable_features(&mut features, &mut features12, &mut features13) };
-    refused(untyped, SsctResult::Usage, "features13 is 51; it must be VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3");
+    let result = unsafe { ssct_enable_features(&mut features, &mut features12, &mut features13) };
+    assert_refused(result, "features13 is 51; it must be VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3");
 }
 
 #[test]
@@ -150,23 +161,22 @@ fn captures_a_sky_and_times_come_through() {
             ..sized(size_of::<SsctCaptureCubesInfo>())
         };
         let mut cubes = null_mut();
-        assert_eq!(ssct_capture_cubes_create(context, &info, &mut cubes), SsctResult::Ok, "{}", said());
-        let reflections = made(context, &SsctReflectionsInfo { capture_side: 16, ..view(SIDE) });
+        assert_ok(ssct_capture_cubes_create(context, &info, &mut cubes));
+        let reflections = make_reflections(context, &SsctReflectionsInfo { capture_side: 16, ..view(SIDE) });
         // Objects that were made with a context stay usable after the context is destroyed.
         ssct_context_destroy(context);
         let frame = SsctFrame { sky: &sky, captures: cubes, timed: vk::TRUE, ..inputs.frame() };
-        let early = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
-        refused(early, SsctResult::Usage, "face 0 of capture 0 was never handed over");
+        let without_faces = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
+        assert_refused(without_faces, "face 0 of capture 0 was never handed over");
         for face in 0..6 {
             let sized = sized(size_of::<SsctCaptureFace>());
             let face = SsctCaptureFace { face, color: &face_color, depth: &face_depth, ..sized };
-            let result = program.submit(|_, commands| ssct_capture_cubes_record_face(cubes, commands, 0, &face));
-            assert_eq!(result, SsctResult::Ok, "{}", said());
+            assert_ok(program.submit(|_, commands| ssct_capture_cubes_record_face(cubes, commands, 0, &face)));
         }
         let mut recorded = sized::<SsctRecorded>(size_of::<SsctRecorded>());
         let result =
             program.submit(|_, commands| ssct_reflections_record(reflections, commands, &frame, &mut recorded));
-        assert_eq!(result, SsctResult::Ok, "{}", said());
+        assert_ok(result);
         assert!(!recorded.composite.image.is_null() && !recorded.reflection.view.is_null());
         assert!(recorded.hits.image.is_null() && recorded.struct_size == size_of::<SsctRecorded>());
         let passes = std::slice::from_raw_parts(recorded.passes, recorded.pass_count as usize);
@@ -179,14 +189,14 @@ fn captures_a_sky_and_times_come_through() {
         let times = std::slice::from_raw_parts(times, count as usize);
         assert_eq!(times.len(), passes.len());
         assert!(times.iter().all(|t| t.ms >= 0.0) && name(times[0].name) == "import");
-        let far = ssct_reflections_times(reflections, 7, &mut null(), &mut count);
-        refused(far, SsctResult::Usage, "the slot is 7");
+        let without_slot = ssct_reflections_times(reflections, 7, &mut null(), &mut count);
+        assert_refused(without_slot, "the slot is 7");
         // After a change of size, images of the old size are refused.
         let extent = vk::Extent2D { width: 32, height: 32 };
-        assert_eq!(ssct_reflections_resize(reflections, extent), SsctResult::Ok, "{}", said());
+        assert_ok(ssct_reflections_resize(reflections, extent));
         assert_eq!(ssct_reflections_restart_history(reflections), SsctResult::Ok);
         let result = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
-        refused(result, SsctResult::Usage, "depth is 48x48 pixels; it must be 32x32");
+        assert_refused(result, "depth is 48x48 pixels; it must be 32x32");
         ssct_reflections_destroy(reflections);
         ssct_capture_cubes_destroy(cubes);
     }
@@ -255,18 +265,17 @@ fn memory_comes_from_the_callers_allocator_and_goes_back() {
     };
     unsafe {
         let mut context = null_mut();
-        let half = SsctMemory { release: None, ..memory };
-        let result = ssct_context_create(&SsctContextInfo { memory: &half, ..program.info() }, &mut context);
-        refused(result, SsctResult::Usage, "release of SsctMemory is NULL");
+        let without_release = SsctMemory { release: None, ..memory };
+        let result = ssct_context_create(&SsctContextInfo { memory: &without_release, ..program.info() }, &mut context);
+        assert_refused(result, "release of SsctMemory is NULL");
         let info = SsctContextInfo { memory: &memory, ..program.info() };
-        assert_eq!(ssct_context_create(&info, &mut context), SsctResult::Ok, "{}", said());
-        let reflections = made(context, &view(SIDE));
+        assert_ok(ssct_context_create(&info, &mut context));
+        let reflections = make_reflections(context, &view(SIDE));
         assert!((*objects_at).alive > 4 && ssct_context_allocated_bytes(context) == 0);
         let frame = inputs.frame();
-        let result = program.submit(|_, commands| ssct_reflections_record(reflections, commands, &frame, null_mut()));
-        assert_eq!(result, SsctResult::Ok, "{}", said());
+        assert_ok(program.submit(|_, commands| ssct_reflections_record(reflections, commands, &frame, null_mut())));
         (*objects_at).gives = false;
-        refused(create(context, &view(SIDE)), SsctResult::Memory, "nothing is left");
+        assert_failed(create(context, &view(SIDE)), SsctResult::Memory, "nothing is left");
         ssct_reflections_destroy(reflections);
         ssct_context_trim(context);
         ssct_context_destroy(context);
@@ -300,89 +309,85 @@ fn rays_that_leave_the_screen_end_on_triangles() {
     let wall = |indices: &[u32]| mesh_at(-1.0, (&positions, indices), [0.25, 0.5, 1.0]);
     unsafe {
         let mut triangles = null_mut();
-        let create = |mesh, triangles| ssct_triangles_create(context, mesh, 1, triangles);
-        refused(create(&wall(&[0, 1]), &mut triangles), SsctResult::Usage, "triangle mesh 0 has 2 indices");
-        refused(create(&wall(&[0, 1, 4]), &mut triangles), SsctResult::Usage, "the index 4, and 4 vertices");
-        assert_eq!(create(&wall(&[0, 1, 2, 2, 3, 0]), &mut triangles), SsctResult::Ok, "{}", said());
+        let create_triangles = |mesh, triangles| ssct_triangles_create(context, mesh, 1, triangles);
+        assert_refused(create_triangles(&wall(&[0, 1]), &mut triangles), "triangle mesh 0 has 2 indices");
+        assert_refused(create_triangles(&wall(&[0, 1, 4]), &mut triangles), "the index 4, and 4 vertices");
+        assert_ok(create_triangles(&wall(&[0, 1, 2, 2, 3, 0]), &mut triangles));
 
-        // The expected composites in half floats: the mirror's own colour plus half of the wall's, and the mirror's own
-        // colour alone.
-        let [with_wall, without]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
+        // The expected composites in half floats: the mirror's own colour plus half of the wall's; and the mirror's own.
+        let [with_wall, without_wall]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
         let outputs = ssct_image_use(SSCT_USE_TRANSFER_SOURCE);
-        let show = |reflections, frame: &SsctFrame| {
+        let record_and_read = |reflections, frame: &SsctFrame| {
             let mut recorded = sized::<SsctRecorded>(size_of::<SsctRecorded>());
             let texels = program.read(SIDE, |commands| {
-                let result = ssct_reflections_record(reflections, commands, frame, &mut recorded);
-                assert_eq!(result, SsctResult::Ok, "{}", said());
+                assert_ok(ssct_reflections_record(reflections, commands, frame, &mut recorded));
                 recorded.composite.image
             });
             texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect::<Vec<_>>()
         };
-        let alone = made(context, &view(SIDE));
+        let no_triangles = make_reflections(context, &view(SIDE));
         let frame = SsctFrame { outputs, ..inputs.frame() };
-        assert!(show(alone, &frame).iter().all(|texel| *texel == without));
-        let given = SsctFrame { triangles, ..frame };
-        let result = ssct_reflections_record(alone, program.commands, &given, null_mut());
-        refused(result, SsctResult::Usage, "buffers, and the reflections were made for nothing");
-        ssct_reflections_destroy(alone);
+        assert!(record_and_read(no_triangles, &frame).iter().all(|texel| *texel == without_wall));
+        let with_triangles = SsctFrame { triangles, ..frame };
+        let result = ssct_reflections_record(no_triangles, program.commands, &with_triangles, null_mut());
+        assert_refused(result, "buffers, and the reflections were made for nothing");
+        ssct_reflections_destroy(no_triangles);
         for method in [c"unified", c"traced"] {
-            let reflections = made(context, &SsctReflectionsInfo { triangles, method: method.as_ptr(), ..view(SIDE) });
+            let reflections =
+                make_reflections(context, &SsctReflectionsInfo { triangles, method: method.as_ptr(), ..view(SIDE) });
             if method == c"unified" {
-                let result = ssct_reflections_record(reflections, program.commands, &given, null_mut());
-                refused(result, SsctResult::Usage, "never uploaded");
-                let result = program.submit(|_, commands| ssct_triangles_record_upload(triangles, commands));
-                assert_eq!(result, SsctResult::Ok, "{}", said());
+                let result = ssct_reflections_record(reflections, program.commands, &with_triangles, null_mut());
+                assert_refused(result, "never uploaded");
+                assert_ok(program.submit(|_, commands| ssct_triangles_record_upload(triangles, commands)));
             }
-            let shown = show(reflections, &given);
-            assert!(shown.iter().all(|texel| *texel == with_wall), "{method:?}: {:x?}", shown[0]);
+            let composite = record_and_read(reflections, &with_triangles);
+            assert!(composite.iter().all(|texel| *texel == with_wall), "{method:?}: {:x?}", composite[0]);
             ssct_reflections_destroy(reflections);
         }
         // The mirror's triangle lies a little in front of the depth image, so that it stops its own rays unless its
         // number is known.
         let large = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 18.0, 0.0]];
         let mirror = mesh_at(0.49, (&large, &[0, 1, 2]), [1.0, 0.0, 0.0]);
-        let mut both = null_mut();
+        let mut two_meshes = null_mut();
         let meshes = [mirror, wall(&[0, 1, 2, 2, 3, 0])];
-        assert_eq!(ssct_triangles_create(context, meshes.as_ptr(), 2, &mut both), SsctResult::Ok, "{}", said());
-        let result = program.submit(|_, commands| ssct_triangles_record_upload(both, commands));
-        assert_eq!(result, SsctResult::Ok, "{}", said());
-        let given = SsctFrame { triangles: both, ..given };
-        let reflections = made(context, &SsctReflectionsInfo { triangles: both, ..view(SIDE) });
-        let shown = show(reflections, &given);
-        assert!(shown.iter().all(|texel| *texel == [0x3c00, 0x3400, 0x3000]), "{:x?}", shown[0]);
-        let shown = show(reflections, &SsctFrame { triangle_numbers: &numbers, ..given });
-        assert!(shown.iter().all(|texel| *texel == with_wall), "{:x?}", shown[0]);
+        assert_ok(ssct_triangles_create(context, meshes.as_ptr(), 2, &mut two_meshes));
+        assert_ok(program.submit(|_, commands| ssct_triangles_record_upload(two_meshes, commands)));
+        let with_triangles = SsctFrame { triangles: two_meshes, ..with_triangles };
+        let reflections = make_reflections(context, &SsctReflectionsInfo { triangles: two_meshes, ..view(SIDE) });
+        let composite = record_and_read(reflections, &with_triangles);
+        assert!(composite.iter().all(|texel| *texel == [0x3c00, 0x3400, 0x3000]), "{:x?}", composite[0]);
+        let composite = record_and_read(reflections, &SsctFrame { triangle_numbers: &numbers, ..with_triangles });
+        assert!(composite.iter().all(|texel| *texel == with_wall), "{:x?}", composite[0]);
         let wrong = SsctImage { format: vk::Format::R32_SFLOAT, ..numbers };
-        let frame = SsctFrame { triangle_numbers: &wrong, ..given };
+        let frame = SsctFrame { triangle_numbers: &wrong, ..with_triangles };
         let result = ssct_reflections_record(reflections, program.commands, &frame, null_mut());
-        refused(result, SsctResult::Usage, "triangle_numbers has the format R32_SFLOAT; it must be R32_UINT");
+        assert_refused(result, "triangle_numbers has the format R32_SFLOAT; it must be R32_UINT");
         ssct_reflections_destroy(reflections);
-        ssct_triangles_destroy(both);
+        ssct_triangles_destroy(two_meshes);
 
         // A texture of a white and a grey texel; every vertex of the wall has the place of the white texel.
         let texels = [255, 255, 255, 0, 64, 64, 64, 0];
         let texture = SsctHitTexture { texels: texels.as_ptr(), width: 2, height: 1, is_srgb: vk::FALSE };
         let places = [[0.25_f32, 0.5]; 4];
         let textured = SsctTriangleMesh { texture_places: places.as_ptr().cast(), ..wall(&[0, 1, 2, 2, 3, 0]) };
-        let create = |mesh, textures, triangles| {
+        let create_textured = |mesh, textures, triangles| {
             ssct_triangles_create_textured(context, mesh, 1, textures, u32::from(!textures.is_null()), triangles)
         };
-        let mut made_of = null_mut();
-        refused(create(&textured, null(), &mut made_of), SsctResult::Usage, "has texture 0, and there are 0");
+        let mut textured_triangles = null_mut();
+        assert_refused(create_textured(&textured, null(), &mut textured_triangles), "has texture 0, and there are 0");
         let large = SsctHitTexture { width: 40000, ..texture };
-        refused(create(&textured, &large, &mut made_of), SsctResult::Usage, "texture 0 is 40000x1 texels");
-        assert_eq!(create(&textured, &texture, &mut made_of), SsctResult::Ok, "{}", said());
-        let result = program.submit(|_, commands| ssct_triangles_record_upload(made_of, commands));
-        assert_eq!(result, SsctResult::Ok, "{}", said());
-        let reflections = made(context, &SsctReflectionsInfo { triangles: made_of, ..view(SIDE) });
-        let shown = show(reflections, &SsctFrame { triangles: made_of, ..given });
-        assert!(shown.iter().all(|texel| *texel == with_wall), "{:x?}", shown[0]);
+        assert_refused(create_textured(&textured, &large, &mut textured_triangles), "texture 0 is 40000x1 texels");
+        assert_ok(create_textured(&textured, &texture, &mut textured_triangles));
+        assert_ok(program.submit(|_, commands| ssct_triangles_record_upload(textured_triangles, commands)));
+        let reflections =
+            make_reflections(context, &SsctReflectionsInfo { triangles: textured_triangles, ..view(SIDE) });
+        let composite = record_and_read(reflections, &SsctFrame { triangles: textured_triangles, ..with_triangles });
+        assert!(composite.iter().all(|texel| *texel == with_wall), "{:x?}", composite[0]);
         ssct_reflections_destroy(reflections);
-        ssct_triangles_destroy(made_of);
-        let result = ssct_triangles_record_upload(triangles, program.commands);
-        refused(result, SsctResult::Usage, "uploaded before");
+        ssct_triangles_destroy(textured_triangles);
+        assert_refused(ssct_triangles_record_upload(triangles, program.commands), "uploaded before");
         let wrong = SsctReflectionsInfo { triangles, method: c"ssct".as_ptr(), ..view(SIDE) };
-        refused(self::create(context, &wrong), SsctResult::Usage, "follows no rays among triangles");
+        assert_refused(create(context, &wrong), "follows no rays among triangles");
         ssct_triangles_destroy(triangles);
         ssct_context_destroy(context);
     }
@@ -393,52 +398,51 @@ fn what_is_wrong_is_said() {
     let mut program = Program::new();
     let mut inputs = Inputs::new(&mut program, SIDE);
     let context = program.context();
-    let usage = SsctResult::Usage;
     unsafe {
         let mut other = null_mut();
-        refused(ssct_context_create(null(), &mut other), usage, "info is NULL");
-        refused(ssct_context_create(&program.info(), null_mut()), usage, "context is NULL");
+        assert_refused(ssct_context_create(null(), &mut other), "info is NULL");
+        assert_refused(ssct_context_create(&program.info(), null_mut()), "context is NULL");
         let info = SsctContextInfo { device: vk::Device::null(), ..program.info() };
-        refused(ssct_context_create(&info, &mut other), usage, "device of SsctContextInfo is a null handle");
+        assert_refused(ssct_context_create(&info, &mut other), "device of SsctContextInfo is a null handle");
         let none = vk::PhysicalDeviceFeatures::default();
         let info = SsctContextInfo { features: &none, ..program.info() };
-        refused(ssct_context_create(&info, &mut other), SsctResult::NoDevice, "imageCubeArray");
-        refused(create(null(), &view(SIDE)), usage, "context is NULL");
-        refused(create(context, &SsctReflectionsInfo { struct_size: 0, ..view(SIDE) }), usage, "struct_size");
-        refused(create(context, &SsctReflectionsInfo { method: c"none".as_ptr(), ..view(SIDE) }), usage, "no method");
+        assert_failed(ssct_context_create(&info, &mut other), SsctResult::NoDevice, "imageCubeArray");
+        assert_refused(create(null(), &view(SIDE)), "context is NULL");
+        assert_refused(create(context, &SsctReflectionsInfo { struct_size: 0, ..view(SIDE) }), "struct_size");
+        assert_refused(create(context, &SsctReflectionsInfo { method: c"none".as_ptr(), ..view(SIDE) }), "no method");
         let method = c"\xff".as_ptr();
-        refused(create(context, &SsctReflectionsInfo { method, ..view(SIDE) }), usage, "no text in UTF-8");
-        refused(create(context, &SsctReflectionsInfo { outputs: 8, ..view(SIDE) }), usage, "SSCT_OUTPUT_*");
+        assert_refused(create(context, &SsctReflectionsInfo { method, ..view(SIDE) }), "no text in UTF-8");
+        assert_refused(create(context, &SsctReflectionsInfo { outputs: 8, ..view(SIDE) }), "SSCT_OUTPUT_*");
         let parameters = [SsctParameter { name: c"fade".as_ptr(), value: c"perhaps".as_ptr() }];
         let wrong = SsctReflectionsInfo { parameters: parameters.as_ptr(), parameter_count: 1, ..view(SIDE) };
-        refused(create(context, &wrong), usage, "perhaps");
-        refused(create(context, &SsctReflectionsInfo { parameters: null(), ..wrong }), usage, "its count is 1");
+        assert_refused(create(context, &wrong), "perhaps");
+        assert_refused(create(context, &SsctReflectionsInfo { parameters: null(), ..wrong }), "its count is 1");
 
-        let reflections = made(context, &view(SIDE));
+        let reflections = make_reflections(context, &view(SIDE));
         let good = inputs.frame();
         let commands = program.commands;
         let record = |frame: &SsctFrame| ssct_reflections_record(reflections, commands, frame, null_mut());
-        refused(record(&SsctFrame { camera: null(), ..good }), usage, "camera is NULL");
+        assert_refused(record(&SsctFrame { camera: null(), ..good }), "camera is NULL");
         let camera = SsctCamera { clip_y: 9, ..*good.camera };
-        refused(record(&SsctFrame { camera: &camera, ..good }), usage, "none of SSCT_CLIP_Y_*");
+        assert_refused(record(&SsctFrame { camera: &camera, ..good }), "none of SSCT_CLIP_Y_*");
         let normals = SsctNormals { space: 5, ..*good.normals };
-        refused(record(&SsctFrame { normals: &normals, ..good }), usage, "none of SSCT_NORMAL_SPACE_*");
-        refused(record(&SsctFrame { reflectors: 17, ..good }), usage, "SSCT_REFLECTORS_NONE alone");
-        refused(record(&SsctFrame { slot: 2, ..good }), usage, "frames_in_flight is 2");
+        assert_refused(record(&SsctFrame { normals: &normals, ..good }), "none of SSCT_NORMAL_SPACE_*");
+        assert_refused(record(&SsctFrame { reflectors: 17, ..good }), "SSCT_REFLECTORS_NONE alone");
+        assert_refused(record(&SsctFrame { slot: 2, ..good }), "frames_in_flight is 2");
         let unsampled = SsctImage { usage: vk::ImageUsageFlags::STORAGE, ..*good.color };
-        refused(record(&SsctFrame { color: &unsampled, ..good }), usage, "SAMPLED");
+        assert_refused(record(&SsctFrame { color: &unsampled, ..good }), "SAMPLED");
         let motion = SsctMotion { image: good.color, scale: [1.0, 0.0], ..sized(size_of::<SsctMotion>()) };
-        refused(record(&SsctFrame { motion: &motion, ..good }), usage, "the input motion has");
+        assert_refused(record(&SsctFrame { motion: &motion, ..good }), "the input motion has");
         let motion = SsctMotion { image: null(), ..motion };
-        refused(record(&SsctFrame { motion: &motion, ..good }), usage, "frame.motion.image is NULL");
+        assert_refused(record(&SsctFrame { motion: &motion, ..good }), "frame.motion.image is NULL");
         let mut short = sized::<SsctRecorded>(8);
         let result = ssct_reflections_record(reflections, commands, &good, &mut short);
-        refused(result, usage, "struct_size of the SsctRecorded of the argument recorded is 8");
-        refused(ssct_reflections_record(null_mut(), commands, &good, null_mut()), usage, "reflections is NULL");
+        assert_refused(result, "struct_size of the SsctRecorded of the argument recorded is 8");
+        assert_refused(ssct_reflections_record(null_mut(), commands, &good, null_mut()), "reflections is NULL");
         let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &good, null_mut());
-        refused(result, usage, "commands is a null handle");
+        assert_refused(result, "commands is a null handle");
         assert_eq!(ssct_image_use(99).stages, 0);
-        assert!(said().contains("kind is 99"), "{}", said());
+        assert!(last_sentence().contains("kind is 99"), "{}", last_sentence());
 
         let mut count = 0;
         let methods = std::slice::from_raw_parts(ssct_methods(&mut count), count as usize);

@@ -1,6 +1,6 @@
 //! Triangles of the scene.
 
-use crate::border::{Guarded, Outcome, SsctResult, array, create, destroy, guard};
+use crate::border::{Guarded, Outcome, SsctResult, create, destroy, guard, to_slice};
 use crate::context::SsctContext;
 use crate::live;
 use crate::vulkan::{VkBool32, VkCommandBuffer};
@@ -78,13 +78,13 @@ pub unsafe extern "C" fn ssct_triangles_create_textured(
 ) -> SsctResult {
     let make = || {
         // SAFETY: the header asks for such pointers.
-        let (context, meshes) = unsafe { (live::read("context", context)?, array("meshes", meshes, mesh_count)?) };
+        let (context, meshes) = unsafe { (live::read("context", context)?, to_slice("meshes", meshes, mesh_count)?) };
         // SAFETY: the header asks for such pointers.
-        let textures = unsafe { array("textures", textures, texture_count) }?;
+        let textures = unsafe { to_slice("textures", textures, texture_count) }?;
         // SAFETY: the header asks for such pointers.
-        let meshes: Vec<_> = meshes.iter().map(|m| unsafe { mesh(m) }).collect::<Outcome<_>>()?;
+        let meshes: Vec<_> = meshes.iter().map(|m| unsafe { borrow_mesh(m) }).collect::<Outcome<_>>()?;
         // SAFETY: the header asks for such pointers.
-        let textures: Vec<_> = textures.iter().map(|t| unsafe { texture(t) }).collect::<Outcome<_>>()?;
+        let textures: Vec<_> = textures.iter().map(|t| unsafe { borrow_texture(t) }).collect::<Outcome<_>>()?;
         let triangles = Triangles::with_textures(&context.context, &meshes, &textures)?;
         Ok(SsctTriangles { triangles: Guarded::new(triangles) })
     };
@@ -117,12 +117,12 @@ pub unsafe extern "C" fn ssct_triangles_record_upload(
 ///
 /// # Safety
 /// Each pointer is NULL or points to as many numbers as its count says.
-unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
+unsafe fn borrow_mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
     // SAFETY: the caller keeps to the contract of this function.
     let (positions, indices) = unsafe {
         (
-            array("mesh.positions", mesh.positions.cast::<[f32; 3]>(), mesh.vertex_count)?,
-            array("mesh.indices", mesh.indices, mesh.index_count)?,
+            to_slice("mesh.positions", mesh.positions.cast::<[f32; 3]>(), mesh.vertex_count)?,
+            to_slice("mesh.indices", mesh.indices, mesh.index_count)?,
         )
     };
     let SsctTriangleMesh { mesh_to_world, color, texture, texture_places, vertex_count, .. } = *mesh;
@@ -130,7 +130,7 @@ unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
         None
     } else {
         // SAFETY: the caller keeps to the contract of this function.
-        let places = unsafe { array("mesh.texture_places", texture_places.cast::<[f32; 2]>(), vertex_count) }?;
+        let places = unsafe { to_slice("mesh.texture_places", texture_places.cast::<[f32; 2]>(), vertex_count) }?;
         Some(MeshTexture { number: texture as usize, places })
     };
     Ok(TriangleMesh { positions, indices, mesh_to_world, color, texture })
@@ -140,11 +140,11 @@ unsafe fn mesh(mesh: &SsctTriangleMesh) -> Outcome<TriangleMesh<'_>> {
 ///
 /// # Safety
 /// The pointer is NULL or points to as many bytes as width and height say.
-unsafe fn texture(texture: &SsctHitTexture) -> Outcome<HitTexture<'_>> {
+unsafe fn borrow_texture(texture: &SsctHitTexture) -> Outcome<HitTexture<'_>> {
     let SsctHitTexture { texels, width, height, is_srgb } = *texture;
     // `Triangles::with_textures` refuses a texture that is too large, so that none of its texels is borrowed here.
     let count = if width.max(height) > HitTexture::MAX_SIDE { 0 } else { width * height };
     // SAFETY: the caller keeps to the contract of this function.
-    let texels = unsafe { array("texture.texels", texels.cast::<[u8; 4]>(), count) }?;
+    let texels = unsafe { to_slice("texture.texels", texels.cast::<[u8; 4]>(), count) }?;
     Ok(HitTexture { extent: [width, height], is_srgb: is_srgb != vk::FALSE, texels: texels.as_flattened() })
 }

@@ -30,16 +30,16 @@ typedef struct {
     float f0, roughness;
 } Material;
 
-// The nearest hit of a ray: `t` is its distance in metres, `which` the number of the column or sphere.
+// The nearest hit of a ray: `t` is its distance in metres, `number` that of the column or sphere.
 typedef struct {
     float t;
     Vec normal;
-    enum { FLOOR, CEILING, SIDE, END, COLUMN, SPHERE } what;
-    int which;
+    enum { FLOOR, CEILING, SIDE, END, COLUMN, SPHERE } kind;
+    int number;
 } Hit;
 
-// AROUND is the number of rays of the ambient light at a point.
-enum { COLUMNS = 12, SPHERES = 3, SUN_SAMPLES = 64, LAMP_SAMPLES = 12, AROUND = 16 };
+// AMBIENT_RAYS is the number of rays of the ambient light at a point.
+enum { COLUMNS = 12, SPHERES = 3, SUN_SAMPLES = 64, LAMP_SAMPLES = 12, AMBIENT_RAYS = 16 };
 
 // Lengths are in metres, PITCH in radians. The end wall lies at z = END_Z; SUN is the centre of its round window.
 static const float NEAR = 0.1f, FAR = 100.0f, PI = 3.14159265f, PITCH = 0.05f;
@@ -92,7 +92,7 @@ static inline float float_of_half(uint16_t half) {
 }
 
 // Maps linear light to a byte of a picture by Narkowicz's tone curve and a gamma of 2.2.
-static inline unsigned char shown(float light) {
+static inline unsigned char display_byte(float light) {
     const float v = 0.85f * (light > 0 ? light : 0);
     const float curve = clamp(v * (2.51f * v + 0.03f) / (v * (2.43f * v + 0.59f) + 0.14f), 0, 1);
     return (unsigned char)lrintf(255 * powf(curve, 1 / 2.2f));
@@ -119,12 +119,12 @@ static inline Vec to_view(const float m[16], Vec v) {
 static inline Vec column(int i) { return vec(i % 2 ? 4.3f : -4.3f, 0, -0.5f - 4 * (float)(i / 2)); }
 
 // Replaces the hit if the one at distance t lies before it.
-static inline void nearer(Hit *hit, float t, Vec normal, int what, int which) {
+static inline void nearer(Hit *hit, float t, Vec normal, int kind, int number) {
     if (t > 1e-3f && t < hit->t) {
         hit->t = t;
         hit->normal = normal;
-        hit->what = what;
-        hit->which = which;
+        hit->kind = kind;
+        hit->number = number;
     }
 }
 
@@ -183,7 +183,7 @@ static inline Vec ring(int i) { return i / 2 % 2 ? vec(0.1f, 1.3f, 1.9f) : vec(2
 // The material of the surface at a hit, whose place in the world is `position`.
 static inline Material material_at(const Hit *hit, Vec position) {
     const Vec none = vec(0, 0, 0);
-    switch (hit->what) {
+    switch (hit->kind) {
     case FLOOR: {
         const float u = position.x / 1.2f + 100.5f, v = position.z / 1.2f + 100, joint = 0.018f;
         const float fu = u - floorf(u), fv = v - floorf(v);
@@ -207,10 +207,10 @@ static inline Material material_at(const Hit *hit, Vec position) {
     case COLUMN: {
         const bool shines = position.y > 2.55f && position.y < 2.66f;
         const float flute = 0.85f + 0.15f * cosf(20 * atan2f(hit->normal.x, hit->normal.z));
-        return (Material){times(vec(0.50f, 0.45f, 0.44f), flute), shines ? ring(hit->which) : none, 0.04f, 0.3f};
+        return (Material){times(vec(0.50f, 0.45f, 0.44f), flute), shines ? ring(hit->number) : none, 0.04f, 0.3f};
     }
     default:
-        return BALLS[hit->which].material;
+        return BALLS[hit->number].material;
     }
 }
 
@@ -261,11 +261,11 @@ static inline Vec lit(Vec position, Vec normal, float turn) {
         sum = add(sum, times(ring(i), 0.3f * facing / (square + 0.25f)));
     }
     float open = 0;
-    for (int i = 0; i < AROUND; i++) {
-        const float a = ((float)i + 0.5f) / AROUND, b = 0.61803f * (float)i + turn;
+    for (int i = 0; i < AMBIENT_RAYS; i++) {
+        const float a = ((float)i + 0.5f) / AMBIENT_RAYS, b = 0.61803f * (float)i + turn;
         open += follow(position, around(normal, a, b - floorf(b)), 2.5f, &hit) ? hit.t / 2.5f : 1;
     }
-    return add(sum, times(vec(0.13f, 0.10f, 0.16f), open / AROUND));
+    return add(sum, times(vec(0.13f, 0.10f, 0.16f), open / AMBIENT_RAYS));
 }
 
 // Stores four channels of a texel as 16-bit floats.

@@ -343,7 +343,7 @@ static void write_ppm(const char *path, const uint16_t *halves) {
     unsigned char *bytes = malloc(head + PIXELS * 3);
     if (!bytes) fail(path, "there is no memory");
     memcpy(bytes, header, head);
-    for (size_t i = 0; i < PIXELS * 3; i++) bytes[head + i] = shown(float_of_half(halves[i / 3 * 4 + i % 3]));
+    for (size_t i = 0; i < PIXELS * 3; i++) bytes[head + i] = display_byte(float_of_half(halves[i / 3 * 4 + i % 3]));
     write_file("", path, bytes, head + PIXELS * 3);
     free(bytes);
 }

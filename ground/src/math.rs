@@ -24,8 +24,8 @@ pub fn linear_to_srgb(v: f32) -> f32 {
     if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The angle of the point (x, y) in radians, rounded from f64. The built-in scenes are made with this function, since C libraries
-/// differ in the last bits of their `atan2f` (glibc before and since 2.41), and a scene must be the same on every machine.
+/// The angle of the point (x, y) in radians, rounded from f64. The built-in scenes need it to be the same on every machine, and C
+/// libraries differ in the last bits of their `atan2f` (glibc before and since 2.41).
 pub fn atan2(y: f32, x: f32) -> f32 {
     f64::from(y).atan2(f64::from(x)) as f32
 }
@@ -33,9 +33,9 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// Clamps a linear value to 0…1 and encodes it as an sRGB byte, as in the display image of docs/definitions.md,
 /// "Surfaces". NaN becomes black.
 pub fn display_byte(linear: f32) -> u8 {
-    let (linear, table) = (linear.clamp(0.0, 1.0), &*DISPLAY_BYTES);
-    let mut byte = table.first[(linear * DisplayBytes::PARTS as f32) as usize]; // the least byte that it can be
-    while linear >= table.least[usize::from(byte) + 1] {
+    let linear = linear.clamp(0.0, 1.0);
+    let mut byte = DISPLAY_BYTES.byte_of_part[(linear * DisplayBytes::PARTS as f32) as usize];
+    while linear >= DISPLAY_BYTES.least_value[usize::from(byte) + 1] {
         byte += 1;
     }
     byte
@@ -51,9 +51,9 @@ static DISPLAY_BYTES: LazyLock<DisplayBytes> = LazyLock::new(DisplayBytes::new);
 /// A table of the linear values at which sRGB bytes begin. Looking a byte up is faster than computing a power.
 struct DisplayBytes {
     /// The byte at the lower end of each of [`Self::PARTS`] equal parts of 0…1; the last entry is the byte of 1.
-    first: [u8; Self::PARTS + 1],
+    byte_of_part: [u8; Self::PARTS + 1],
     /// The least linear value of each byte; the entry 256, which is no byte, is greater than every value.
-    least: [f32; 257],
+    least_value: [f32; 257],
 }
 
 impl DisplayBytes {
@@ -62,10 +62,10 @@ impl DisplayBytes {
 
     /// Computes both arrays from [`encoded_byte`].
     fn new() -> Self {
-        let first = std::array::from_fn(|part| encoded_byte(part as f32 / Self::PARTS as f32));
+        let byte_of_part = std::array::from_fn(|part| encoded_byte(part as f32 / Self::PARTS as f32));
         // A binary search over the bits of floats finds each entry; positive floats and their bits have the same order.
-        let mut least = [f32::INFINITY; 257];
-        for (byte, least) in (0..=255).zip(&mut least) {
+        let mut least_value = [f32::INFINITY; 257];
+        for (byte, least) in (0..=255).zip(&mut least_value) {
             let (mut below, mut above) = (0, 1.0_f32.to_bits());
             while below < above {
                 let middle = below + (above - below) / 2;
@@ -73,7 +73,7 @@ impl DisplayBytes {
             }
             *least = f32::from_bits(below);
         }
-        Self { first, least }
+        Self { byte_of_part, least_value }
     }
 }
 
@@ -91,8 +91,8 @@ mod tests {
 
     #[test]
     fn bytes_that_are_looked_up_are_those_of_the_definition() {
-        let beginnings =
-            DISPLAY_BYTES.least[..256].iter().flat_map(|least| [least.next_down().max(0.0), *least, least.next_up()]);
+        let around = |least: &f32| [least.next_down().max(0.0), *least, least.next_up()];
+        let beginnings = DISPLAY_BYTES.least_value[..256].iter().flat_map(around);
         for linear in beginnings.chain((0..=100_000).map(|k| k as f32 / 100_000.0)) {
             assert_eq!(display_byte(linear), encoded_byte(linear), "{linear:e}");
         }

@@ -1,7 +1,7 @@
 //! Parameters: what a user can change about a method. Each is declared once, as a field of a struct made by
-//! [`parameters!`](crate::parameter::parameters); the command line's flags, the window's panel, the `setup` of records,
-//! the keys of journals, the columns of CSV files, the sweeps of the error study, the pairing of comparisons and the
-//! table in `docs/options.md` are all derived from that declaration.
+//! [`parameters!`](crate::parameter::parameters). From this declaration are derived: the command line's flags, the
+//! window's panel and the table in `docs/options.md`; the `setup` of records, the keys of journals and the columns of
+//! CSV files. Sweeps of the error study and the pairing of comparisons follow it, too.
 
 mod domain;
 
@@ -281,8 +281,8 @@ impl Values {
         self.given.insert(parameter.name, value);
     }
 
-    /// The names of the parameters that are given.
-    pub fn given(&self) -> impl Iterator<Item = &'static str> {
+    /// The names of the parameters that were given a value.
+    pub fn given_names(&self) -> impl Iterator<Item = &'static str> {
         self.given.keys().copied()
     }
 
@@ -304,10 +304,10 @@ impl Values {
 
 /// Used by [`parameters!`](crate::parameter::parameters): the value of a named parameter in a field's type.
 #[doc(hidden)]
-pub fn take<T: Field>(values: &Values, parameter: &Parameter) -> T {
-    let taken = T::from_value(values.value(parameter));
+pub fn field_value<T: Field>(values: &Values, parameter: &Parameter) -> T {
+    let value = T::from_value(values.value(parameter));
     // The conversion of the published value succeeds, since that value was made from a T.
-    taken.or_else(|| T::from_value(parameter.published)).unwrap_or_else(|| unreachable!("{}", parameter.name))
+    value.or_else(|| T::from_value(parameter.published)).unwrap_or_else(|| unreachable!("{}", parameter.name))
 }
 
 /// Declares a struct of parameters. A field is declared as
@@ -331,7 +331,7 @@ macro_rules! parameters {
             }
 
             fn from_values(values: &$crate::parameter::Values) -> Self {
-                Self { $($field: $crate::parameter::parameters!(@of values $field $type $(, $row)?),)* }
+                Self { $($field: $crate::parameter::parameters!(@value values $field $type $(, $row)?),)* }
             }
 
             fn list(&self) -> Vec<$crate::parameter::Value> {
@@ -341,9 +341,9 @@ macro_rules! parameters {
     };
     (@row $field:ident $type:ty, $help:expr) => { <$type as $crate::parameter::Parameters>::table() };
     (@row $field:ident $type:ty, $help:expr, $row:expr) => { vec![$row.named(stringify!($field), $help)] };
-    (@of $values:ident $field:ident $type:ty) => { <$type as $crate::parameter::Parameters>::from_values($values) };
-    (@of $values:ident $field:ident $type:ty, $row:expr) => {
-        $crate::parameter::take::<$type>($values, &$row.named(stringify!($field), ""))
+    (@value $values:ident $field:ident $type:ty) => { <$type as $crate::parameter::Parameters>::from_values($values) };
+    (@value $values:ident $field:ident $type:ty, $row:expr) => {
+        $crate::parameter::field_value::<$type>($values, &$row.named(stringify!($field), ""))
     };
     (@list $self:ident.$field:ident) => { $crate::parameter::Parameters::list(&$self.$field) };
     (@list $self:ident.$field:ident, $row:expr) => { vec![$crate::parameter::Field::value($self.$field)] };

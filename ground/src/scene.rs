@@ -284,7 +284,7 @@ impl Aabb {
         Self { min: self.min + offset, max: self.max + offset }
     }
 
-    /// A box around the content of this box after a placement has moved it.
+    /// A box around everything in this box after a placement has moved it.
     pub fn placed(self, placement: &Placement) -> Self {
         if placement.is_offset() || !self.min.cmple(self.max).all() {
             return self.moved(placement.offset);
@@ -313,7 +313,7 @@ impl View {
 }
 
 /// The parts of a scene that [`Scene::scale`] and [`Scene::translate`] change each in its own way.
-struct Extended<'a> {
+struct PartsBesidePoints<'a> {
     paths: &'a mut [CameraPath],
     motions: &'a mut [Motion],
     probes: &'a mut [Probe],
@@ -340,7 +340,8 @@ impl Scene {
                 *energy *= factor * factor;
             }
         }
-        let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
+        let PartsBesidePoints { paths, motions, probes, impostors, area_lights, captures } =
+            self.move_points(|p| p * factor);
         let matrix = DMat4::from_scale(DVec3::splat(factor.into()));
         motions.iter_mut().for_each(|m| m.transform(&matrix));
         paths.iter_mut().for_each(|p| p.scale(factor));
@@ -352,7 +353,8 @@ impl Scene {
 
     /// Moves everything that has a place by an offset in metres.
     pub fn translate(&mut self, offset: Vec3) {
-        let Extended { paths, motions, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
+        let PartsBesidePoints { paths, motions, probes, impostors, area_lights, captures } =
+            self.move_points(|p| p + offset);
         let matrix = DMat4::from_translation(offset.as_dvec3());
         motions.iter_mut().for_each(|m| m.transform(&matrix));
         paths.iter_mut().for_each(|p| p.translate(offset));
@@ -364,7 +366,7 @@ impl Scene {
 
     /// Moves the points of meshes, views and lights by the function `moved`, and returns the other parts that have
     /// places. Every field is named, so that a new field cannot be forgotten.
-    fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> Extended<'_> {
+    fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> PartsBesidePoints<'_> {
         let Self {
             name: _,
             meshes,
@@ -398,7 +400,7 @@ impl Scene {
                 Light::Directional { direction: _, energy: _ } => {}
             }
         }
-        Extended { paths, motions, probes, impostors, area_lights, captures }
+        PartsBesidePoints { paths, motions, probes, impostors, area_lights, captures }
     }
 
     /// The number of triangles.

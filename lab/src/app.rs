@@ -59,7 +59,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 /// Runs the command line of `ssct`. The exit status is 0 if all is done, and 1 if the run failed or its results fail a
 /// test of their study. It is 2 if the arguments are wrong, and 128 + n if signal n stopped the run.
 pub fn run() -> ExitCode {
-    program(help::command, |cli: &Cli| match &cli.command {
+    run_program(help::command, |cli: &Cli| match &cli.command {
         Command::Render(options) => render::run(options),
         Command::Study(options) => study::run(options),
         Command::View(options) => view::run(options),
@@ -80,11 +80,11 @@ pub fn run() -> ExitCode {
 /// Runs a program of the laboratory by its command line and prints how it ended; returns an exit status as [`run`]
 /// does. `command` makes the parser of the command line, with the help that the arguments ask for, and `run` does what
 /// the parsed arguments say.
-pub fn program<P: FromArgMatches>(
+pub fn run_program<P: FromArgMatches>(
     command: impl FnOnce(&[OsString]) -> clap::Command,
     run: impl FnOnce(&P) -> anyhow::Result<()>,
 ) -> ExitCode {
-    say_little_memory();
+    warn_of_little_memory();
     // Methods from folders add flags of their own, so the folders are read before the command line is parsed.
     let arguments = match custom_methods::add_folders(std::env::args_os()) {
         Ok(arguments) => arguments,
@@ -93,7 +93,7 @@ pub fn program<P: FromArgMatches>(
             return ExitCode::from(exit_status(&error));
         }
     };
-    let mut command = numbers::with_sentences(command(&arguments));
+    let mut command = numbers::with_number_parsers(command(&arguments));
     let matches = command.try_get_matches_from_mut(arguments);
     let options = match matches.and_then(|matches| P::from_arg_matches(&matches).map_err(|e| e.format(&mut command))) {
         Ok(options) => options,
@@ -108,20 +108,19 @@ pub fn program<P: FromArgMatches>(
             };
         }
     };
-    say_other_shaders();
+    name_shader_folder();
     // Flushing the rest of the buffer may fail, as on a full disk.
-    let flushed = || Ok(std::io::stdout().flush()?);
-    report_end(log().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flushed()))
+    let flush = || Ok(std::io::stdout().flush()?);
+    report_end(start_logging().map_err(Into::into).and_then(|()| run(&options)).and_then(|()| flush()))
 }
 
 /// Memory in MiB that sufficed for every command that was tried; the driver of a CPU takes most of it.
 const ENOUGH_MIB: u64 = 1024;
 
 /// Warns on standard error if the system lets this process take less than [`ENOUGH_MIB`] of memory. In that case an
-/// allocation may fail, which aborts the process without a message. A handler then makes the exit status of the abort
-/// 1.
+/// allocation may fail, which aborts the process without a message. A handler gives such an abort the exit status 1.
 #[cfg(unix)]
-fn say_little_memory() {
+fn warn_of_little_memory() {
     let Some(mib) = memory_limit().map(|limit| limit >> 20).filter(|mib| *mib < ENOUGH_MIB) else { return };
     eprintln!("ssct: memory is short, as this process may take {mib} MiB (ulimit -v)");
     // The handler ends the process only while this flag is true. Without the handler, the exit status would be the
@@ -131,39 +130,39 @@ fn say_little_memory() {
 }
 
 #[cfg(not(unix))]
-fn say_little_memory() {}
+fn warn_of_little_memory() {}
 
 /// Says on standard error that shaders come from another folder, if an environment variable names one.
-fn say_other_shaders() {
-    if let Some(folder) = sources::named() {
+fn name_shader_folder() {
+    if let Some(folder) = sources::named_folder() {
         let folder = printable(&folder.display().to_string());
         eprintln!("ssct: shaders are compiled from {folder}, which {} names", sources::VARIABLE);
     }
 }
 
-/// Begins to print log messages on standard error: those that the variable SSCT_LOG asks for, as in `vulkan=warn`, or
-/// else only errors.
-fn log() -> Result<(), Error> {
+/// Begins to print log messages on standard error: those that the variable SSCT_LOG asks for, as in `vulkan=warn`. Without
+/// the variable, only errors are printed.
+fn start_logging() -> Result<(), Error> {
     let wrong = |text: &str, e: ParseError| Error::usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
-    let asked = match std::env::var("SSCT_LOG") {
+    let targets = match std::env::var("SSCT_LOG") {
         Ok(text) if !text.is_empty() => text.parse().map_err(|e| wrong(&text, e))?,
         _ => Targets::new().with_default(LevelFilter::ERROR),
     };
-    let printed = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(asked);
+    let printed = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(targets);
     tracing_subscriber::registry().with(printed).init();
     Ok(())
 }
 
 /// Prints why a run failed, if it did, and returns the exit status.
-fn report_end(done: anyhow::Result<()>) -> ExitCode {
-    match done {
+fn report_end(outcome: anyhow::Result<()>) -> ExitCode {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
         // The sentence of an error of our own names the cause; for any other error, `{e:#}` appends the causes.
-        Err(e) => match own(e) {
-            Ok(own) => {
-                eprintln!("ssct: {}{}", printable(&own.to_string()), advice(&own));
-                ExitCode::from(exit_status(&own))
+        Err(e) => match laboratory_error(e) {
+            Ok(error) => {
+                eprintln!("ssct: {}{}", printable(&error.to_string()), advice(&error));
+                ExitCode::from(exit_status(&error))
             }
             Err(e) => {
                 if e.is::<std::io::Error>() {
@@ -179,7 +178,7 @@ fn report_end(done: anyhow::Result<()>) -> ExitCode {
 
 /// Turns an error of any of our packages into an error of the laboratory. The error of another package comes back
 /// unchanged, as `Err`.
-fn own(error: anyhow::Error) -> anyhow::Result<Error> {
+fn laboratory_error(error: anyhow::Error) -> anyhow::Result<Error> {
     error
         .downcast()
         .or_else(|e| e.downcast::<ssct::Error>().map(Error::from))
@@ -201,7 +200,7 @@ fn exit_status(error: &Error) -> u8 {
     }
 }
 
-/// Returns advice to append to an error's sentence: what the user can do next; empty where there is none.
+/// Returns what the user can do next, as the end of an error's sentence; empty where there is no advice.
 fn advice(error: &Error) -> String {
     match error {
         Error::Stopped { kept: Some(_), .. } => ", and --resume goes on with it".to_owned(),

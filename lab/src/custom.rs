@@ -1,8 +1,9 @@
 //! Methods from folders: a manifest (`method.toml`) and shaders become a method like any other (docs/custom-methods.md).
 //!
 //! `manifest` reads the manifest, and `shader` compiles the stages. `includes` says which files a shader may consist of, and `built_in` has
-//! the project's own shaders, which a folder may use without a copy. `old_glsl` refuses GLSL that is too old, and `loose_uniforms` and
-//! `own_values` put uniforms outside of blocks into blocks.
+//! the project's own shaders, which a folder may use without a copy. `old_glsl` refuses GLSL that is too old. `loose_uniforms` puts
+//! uniforms outside of blocks into blocks, and `initial_values` evaluates the values that they begin with.
+//!
 //! `reflect` reads the interfaces of the stages, and `bindings` checks them against the manifest. `published` says which values and images
 //! feed the project's own shaders, and `kinds` checks that images, inputs and outputs fit each other.
 //! `source` names what a shader may read, `inputs` makes these images from the G-buffer, and `values` fills uniform blocks. `method`
@@ -13,6 +14,7 @@ mod built_in;
 mod conventions;
 mod finish;
 mod includes;
+mod initial_values;
 mod inputs;
 mod kinds;
 mod loose_uniforms;
@@ -20,7 +22,6 @@ mod manifest;
 mod method;
 mod noise;
 mod old_glsl;
-mod own_values;
 mod published;
 mod reflect;
 mod shader;
@@ -74,7 +75,7 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 /// manifest or in a shader, and if there is a method of its name.
 pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     // Compiles once here, so that errors appear before a device is opened.
-    let (manifest, parameters) = read(folder)?;
+    let (manifest, parameters) = read_checked(folder)?;
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
@@ -83,17 +84,13 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     methods::add(info).map_err(|e| Error::malformed(folder.join(MANIFEST), None, e.to_string()))
 }
 
-/// Reads a folder's manifest, compiles its shaders and checks them against the manifest, as [`add`] does, but adds no method.
-///
-/// # Errors
-/// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the
-/// manifest or in a shader.
+/// Reads and checks a folder as [`add`] does, but adds no method.
 pub fn check(folder: &Path) -> Result<()> {
-    read(folder).map(|_| ())
+    read_checked(folder).map(drop)
 }
 
 /// Reads the manifest of a folder with its parameters, and checks that the folder's shaders fit the manifest.
-fn read(folder: &Path) -> Result<(Manifest, Vec<Parameter>)> {
+fn read_checked(folder: &Path) -> Result<(Manifest, Vec<Parameter>)> {
     let manifest = Manifest::read(folder)?;
     let parameters = manifest.parameters()?;
     bindings::check(&manifest)?;

@@ -67,8 +67,8 @@ impl Stage {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
         let mut context = FrameContext::new(gpu)?;
         let mut data = SceneData::upload(&mut context, scene)?;
-        data.find_captures_by(placement::finder(scene));
-        data.build_trees_by(Trees::new(scene));
+        data.set_capture_finder(placement::finder(scene));
+        data.set_tree_builder(Trees::new(scene));
         Ok(Self { context, data })
     }
 

@@ -35,25 +35,26 @@ SHADE(out_reflection) {
     if (depth <= 0.0 || material.r <= REFLECTS_ABOVE)
         return;
     vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
-    vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
-    vec3 position = h.xyz / h.w;
-    vec3 n = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
-    vec3 r = reflect(normalize(position), n);
-    float m = LobeExponent(material.g);
+    vec4 homogeneous = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
+    vec3 position = homogeneous.xyz / homogeneous.w;
+    vec3 normal = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
+    vec3 mirrored = reflect(normalize(position), normal);
+    float power = BoundedLobePower(material.g);
 
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < area.count; ++i) {
         AreaLightData light = area.lights[i];
-        vec3 a = light.a.xyz - position;
+        vec3 from_point = light.a.xyz - position;
         float share;
         if (light.radiance.w == SHAPE_SPHERE)
-            share = SphereShare(r, n, a, light.a.w, m);
+            share = SphereShare(mirrored, normal, from_point, light.a.w, power);
         else if (light.radiance.w == SHAPE_CAPSULE || light.radiance.w == SHAPE_CYLINDER)
-            share = TubeShare(r, n, a, light.b.xyz - position, light.a.w, light.radiance.w == SHAPE_CYLINDER, m);
+            share = TubeShare(mirrored, normal, from_point, light.b.xyz - position, light.a.w,
+                              light.radiance.w == SHAPE_CYLINDER, power);
         else if (light.radiance.w == SHAPE_CUBOID)
-            share = CuboidShare(r, n, a, light.b.xyz, light.c.xyz, light.a.w, m);
+            share = CuboidShare(mirrored, normal, from_point, light.b.xyz, light.c.xyz, light.a.w, power);
         else
-            share = RectangleShare(r, n, a, light.b.xyz, light.c.xyz, m);
+            share = RectangleShare(mirrored, normal, from_point, light.b.xyz, light.c.xyz, power);
         sum += share * light.radiance.rgb;
     }
     // Alpha is 1 where a light shows. Smaller sums than LEAST_NORMAL count as 0, since devices may flush denormal

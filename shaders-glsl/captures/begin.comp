@@ -27,15 +27,15 @@ void main() {
         return;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth) * captures.view_unit;
     vec3 sight = ViewDirection(point);
-    float along = dot(sight, normal);
+    float along_normal = dot(sight, normal);
     // A pixel that is seen from below its surface reflects nothing.
-    if (along >= 0.0)
+    if (along_normal >= 0.0)
         return;
-    vec3 direction = sight - (2.0 * along / dot(normal, normal)) * normal;
+    vec3 direction = sight - (2.0 * along_normal / dot(normal, normal)) * normal;
     // A mirror's ray has the footprint of its pixel, which widens from the eye on; a lobe's ray has the cone of the
     // thesis (4.2.4).
-    float widened = ORTHOGRAPHIC ? FAR_EYE : length(point);
+    float mirror_widened_m = ORTHOGRAPHIC ? FAR_EYE : length(point);
     bool is_mirror = material.y <= 0.0;
-    PushLostRay(uvec2(pixel), point, direction, is_mirror ? widened : 0.0,
+    PushLostRay(uvec2(pixel), point, direction, is_mirror ? mirror_widened_m : 0.0,
                 is_mirror ? PixelSpread() : 2.0 * tan(0.5 * material.y), NO_TRIANGLE);
 }

@@ -23,13 +23,15 @@ vec3 FromFace(vec3 v, int face) {
          : vec3(-v.x, v.y, -v.z);
 }
 
-// The face, 0 to 5, in which a direction lies.
+// The face, 0 to 5, in which a direction lies: that of the direction's greatest component.
 int CubeFace(vec3 v) {
     vec3 a = abs(v);
-    return a.x >= a.y && a.x >= a.z ? (v.x >= 0.0 ? 0 : 1) : a.y >= a.z ? (v.y >= 0.0 ? 2 : 3) : v.z >= 0.0 ? 4 : 5;
+    return a.x >= a.y && a.x >= a.z ? (v.x >= 0.0 ? 0 : 1)
+         : a.y >= a.z               ? (v.y >= 0.0 ? 2 : 3)
+                                    : (v.z >= 0.0 ? 4 : 5);
 }
 
-// Where a direction of world axes meets a cube map: texture coordinates, and the face.
+// Where a direction of world axes meets a cube map: texture coordinates in xy, and the face in z.
 vec3 CubeFaceUv(vec3 v) {
     int face = CubeFace(v);
     vec3 q = ToFace(v, face);

@@ -45,8 +45,8 @@ uvec2 PackRayEnd(LostRay ray, vec3 place, uint triangle) {
 void StoreRayResult(LostRay ray, RayResult result) {
     ivec2 pixel = ivec2(ray.pixel.xy);
     // A point far along the ray stands for the sky.
-    precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
-    vec3 place = result.code == PATH_SKY ? far : result.place;
+    precise vec3 sky_place = ray.start + SKY_DISTANCE * ray.direction;
+    vec3 place = result.code == PATH_SKY ? sky_place : result.place;
 #ifdef MIRRORS
     bool is_known = result.code == PATH_SKY || result.code >= PATH_TRIANGLE;
     if (result.shows) {

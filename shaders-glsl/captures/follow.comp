@@ -25,7 +25,7 @@ layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour, 0 for s
 
 // How a ray ended.
 struct CaptureRayEnd {
-    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k, or PATH_UNFINISHED, which cannot happen
+    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k for capture k, or PATH_UNFINISHED, which cannot happen
     vec3 place;     // where it hit or was lost, relative to the eye, world axes
     int capture;    // the capture that shows this place; for an unknown end, the one that shows what most likely hides it
     float distance; // from the start to the place
@@ -37,17 +37,17 @@ uint AllCapturesMask() {
 }
 
 // The capture nearest to a point (relative to the eye), of those with a bit in `candidates`; -1 if no bit is set. The
-// end of the loop does not depend on a uniform block, since lavapipe of Mesa 22 would then compile the program at each
-// dispatch (docs/devices.md).
+// number of turns of the loop does not depend on a uniform block, since lavapipe of Mesa 22 would then compile the
+// program at each dispatch (docs/devices.md).
 int NearestCapture(vec3 point, uint candidates) {
     int nearest = -1;
-    float least = NEVER;
+    float least_squared = NEVER;
     for (; candidates != 0u; candidates &= candidates - 1u) {
         int capture = findLSB(candidates);
-        precise vec3 o = point - captures.places[capture].xyz;
-        float squared = Dot(o, o);
-        nearest = squared < least ? capture : nearest;
-        least = min(squared, least);
+        precise vec3 from_capture = point - captures.places[capture].xyz;
+        float squared = Dot(from_capture, from_capture);
+        nearest = squared < least_squared ? capture : nearest;
+        least_squared = min(squared, least_squared);
     }
     return nearest;
 }
@@ -84,15 +84,15 @@ CaptureRayEnd TraceCaptures(LostRay ray) {
         int capture = NearestSeeingCapture(point, candidates);
         if (capture < 0)
             break;
-        vec3 place = captures.places[capture].xyz;
-        CaptureTrace traced = TraceCapture(capture, point - place, ray.direction, exhausted);
-        precise vec3 there = traced.place + place;
-        float distance = Dot(there - ray.start, ray.direction);
-        precise float least = Dot(point - ray.start, ray.direction) + LEAST_ADVANCE_M;
-        bool has_moved = distance > least;
+        vec3 capture_place = captures.places[capture].xyz;
+        CaptureTrace traced = TraceCapture(capture, point - capture_place, ray.direction, exhausted);
+        precise vec3 end_point = traced.place + capture_place;
+        float distance = Dot(end_point - ray.start, ray.direction);
+        precise float least_distance = Dot(point - ray.start, ray.direction) + LEAST_ADVANCE_M;
+        bool has_moved = distance > least_distance;
         bool has_ended = traced.how == FOLLOW_HIT || traced.how == FOLLOW_SKY;
         candidates = (has_moved ? AllCapturesMask() : candidates) & ~(1u << capture);
-        point = has_moved || has_ended ? there : point;
+        point = has_moved || has_ended ? end_point : point;
         ray_end.code = traced.how == FOLLOW_HIT ? PATH_CAPTURE + capture
                      : traced.how == FOLLOW_SKY ? PATH_SKY
                                                 : PATH_UNKNOWN;
@@ -107,11 +107,12 @@ CaptureRayEnd TraceCaptures(LostRay ray) {
 // The colour that a ray sees: the capture's lit colour at the ray's end, over the footprint, with the sky along the ray
 // where the texels show sky. All kinds of ends share one look-up, since a device may execute both sides of a branch.
 vec3 CaptureColor(CaptureRayEnd ray_end, LostRay ray) {
-    vec3 o = ray_end.place - captures.places[ray_end.capture].xyz;
-    vec3 a = abs(o);
-    float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
+    vec3 from_capture = ray_end.place - captures.places[ray_end.capture].xyz;
+    vec3 components = abs(from_capture);
+    float texel_width = 2.0 * max(max(components.x, components.y), components.z) / float(unified.size.x);
     float footprint = ray.spread * (ray.before + ray_end.distance);
-    vec4 seen = textureLod(color_cubes, vec4(o, float(ray_end.capture)), max(log2(footprint / texel), 0.0));
+    vec4 seen = textureLod(color_cubes, vec4(from_capture, float(ray_end.capture)),
+                           max(log2(footprint / texel_width), 0.0));
     seen = ray_end.code == PATH_SKY ? vec4(0.0) : seen;
     return Sound(seen.rgb) + (1.0 - clamp(seen.a, 0.0, 1.0)) * SampleSkyWorld(ray.direction);
 }

@@ -27,12 +27,12 @@ SHADE(out_reflection) {
     if (texelFetch(material_buffer, pixel, 0).r <= REFLECTS_ABOVE)
         return;
     ivec2 size = textureSize(reflection_buffer, 0);
-    vec3 traced = texelFetch(trace_normal_buffer, pixel, 0).xyz;
-    vec2 deviation = (texelFetch(normal_buffer, pixel, 0).xyz - traced).xy;
+    vec3 trace_normal = texelFetch(trace_normal_buffer, pixel, 0).xyz;
+    vec2 deviation = (texelFetch(normal_buffer, pixel, 0).xyz - trace_normal).xy;
     vec2 shift = deviation * vec2(1.0, -1.0) * bump.strength * float(size.y);
     ivec2 beside = clamp(ivec2(floor(PIXEL_CENTRE + shift)), ivec2(0), size - 1);
     // A pixel that lies on another surface, or does not reflect, has no reflection to lend.
-    bool fits = texelFetch(material_buffer, beside, 0).r > REFLECTS_ABOVE
-             && dot(texelFetch(trace_normal_buffer, beside, 0).xyz, traced) > ONE_SURFACE;
-    out_reflection = texelFetch(reflection_buffer, fits ? beside : pixel, 0);
+    bool lends = texelFetch(material_buffer, beside, 0).r > REFLECTS_ABOVE
+             && dot(texelFetch(trace_normal_buffer, beside, 0).xyz, trace_normal) > ONE_SURFACE;
+    out_reflection = texelFetch(reflection_buffer, lends ? beside : pixel, 0);
 }

@@ -35,7 +35,8 @@ const float STANDS_BESIDE = 3.0;
 // A pixel around a hit is also left out if it does not stand above the plane of the reflecting surface by this share of
 // a pixel's width.
 const float STANDS_ABOVE = 0.3;
-// Least cosine at which a surface counts as seen where a length on the surface is divided by this cosine.
+// Where a length on a surface is divided by the cosine of the angle between a ray and the surface's normal, the cosine
+// counts as at least this.
 const float LEAST_FACING = 0.05;
 // The number that stands for infinity in traversals, as the s at which a ray reaches a side that it never meets.
 const float NEVER = 1e30;

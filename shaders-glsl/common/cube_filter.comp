@@ -42,24 +42,25 @@ void main() {
         return;
     }
     vec3 axis = normalize(FaceDirection(cube_texel.z, (vec2(cube_texel.xy) + 0.5) / vec2(size) * 2.0 - 1.0));
-    vec3 x = normalize(cross(abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), axis));
-    vec3 y = cross(axis, x);
-    float side = float(textureSize(source, 0).x);
+    vec3 tangent = normalize(cross(abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), axis));
+    vec3 bitangent = cross(axis, tangent);
+    float source_side = float(textureSize(source, 0).x);
     // The mean solid angle of a texel of the source's level 0: that of the sphere over the number of texels.
-    float texel = 2.0 * TAU / (6.0 * side * side);
+    float texel_solid_angle = 2.0 * TAU / (6.0 * source_side * source_side);
 
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < lobe.samples; ++i) {
-        // cos^(exponent + 1) of the angle to the axis is uniform. Its logarithm keeps the sines of narrow lobes exact.
+        // u = cos^(exponent + 1) of the angle to the axis is uniform. Its logarithm keeps the sines of narrow lobes
+        // exact.
         float u = (float(i) + 0.5) / float(lobe.samples);
         float log2_cos = log2(u) / (lobe.exponent + 1.0);
         float cosine = exp2(log2_cos);
         float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
         float phi = TAU * RadicalInverse(i);
-        vec3 direction = sine * cos(phi) * x + sine * sin(phi) * y + cosine * axis;
+        vec3 direction = sine * cos(phi) * tangent + sine * sin(phi) * bitangent + cosine * axis;
         float density = (lobe.exponent + 1.0) / TAU * exp2(lobe.exponent * log2_cos);
         // The sample stands for the solid angle 1 / (samples * density). Four texels of a level make one of the next.
-        float level = 0.5 * log2(1.0 / (float(lobe.samples) * density * texel));
+        float level = 0.5 * log2(1.0 / (float(lobe.samples) * density * texel_solid_angle));
         sum += textureLod(source, direction, max(level, 0.0)).rgb;
     }
     imageStore(filtered, ivec3(cube_texel), vec4(sum / float(lobe.samples), 1.0));

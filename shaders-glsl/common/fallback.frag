@@ -14,11 +14,12 @@ OUTPUT(0, rgba16f, vec4, out_reflection);
 SHADE(out_reflection) {
     ivec2 pixel = ivec2(PIXEL_CENTRE);
     vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
-    vec4 behind = texelFetch(fallback_buffer, pixel, 0);
+    vec4 fallback = texelFetch(fallback_buffer, pixel, 0);
     // A colour with a fade of 0 does not count, even if it is NaN.
-    vec3 local = reflection.a > 0.0 ? reflection.rgb * reflection.a : vec3(0.0);
-    float rest = (1.0 - reflection.a) * behind.a;
-    float covered = reflection.a + rest;
+    vec3 premultiplied = reflection.a > 0.0 ? reflection.rgb * reflection.a : vec3(0.0);
+    float fallback_share = (1.0 - reflection.a) * fallback.a;
+    float covered = reflection.a + fallback_share;
     // Where nothing reflects, the fades of both reflections are 0.
-    out_reflection = covered > 0.0 ? vec4((local + behind.rgb * rest) / covered, covered) : vec4(0.0);
+    out_reflection = covered > 0.0 ? vec4((premultiplied + fallback.rgb * fallback_share) / covered, covered)
+                                   : vec4(0.0);
 }

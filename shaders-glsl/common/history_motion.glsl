@@ -6,8 +6,8 @@
 #include "common/history_guide.glsl"
 #include "common/sight.glsl"
 
-// A surface counts as at rest if it was seen within STILL pixels, and STILL_SHARE of its motion, of where a surface at
-// rest was seen. 16-bit floats round motion by a quarter of that share.
+// A surface counts as at rest if it was seen no farther from where a surface at rest was seen than STILL pixels plus
+// the share STILL_SHARE of its motion. 16-bit floats round motion by a quarter of that share.
 #define STILL 0.05
 #define STILL_SHARE (1.0 / 512.0)
 // A moving thing is taken to be as far away as it was, within this share.
@@ -38,36 +38,38 @@ vec3 ToPreviousView(vec3 v, float w, int mover) {
     return before;
 }
 
-// Finds the earlier point, in the view space of the frame before, of the surface that a pixel shows, by the motion that
-// the caller gives. `seen` is the position, in pixels, at which the point is seen now, and `still` the earlier point if
-// the surface were at rest. The motion gives the earlier position on the screen but no distance. The distance is what
-// the frame before shows there, if a history keeps it.
-vec3 PreviousPointByMotion(vec2 seen, ivec2 pixel, vec3 still) {
-    vec2 way = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
-    float beside = distance(seen + way, ProjectToPreviousPixels(still));
-    vec2 before = clamp(seen + way, vec2(-BEYOND), history.beyond);
-    ivec2 shows = ivec2(floor(before));
-    float kept = IsOnScreen(shows) ? LoadGuide(shows).depth : 0.0;
-    float shown = kept > 0.0 ? Unproject(history.clip_to_view_before, before, kept).z : still.z;
-    float reach = SAME_DEPTH * Reach(still.z, history.clip_to_view_before);
-    float z = clamp(shown, still.z - reach, still.z + reach);
-    vec4 clip = history.view_to_clip_before * vec4(still.xy, z, 1.0);
-    vec3 moved = Unproject(history.clip_to_view_before, before, clip.z / clip.w);
-    // This is false if the motion is NaN.
-    bool moves = beside > STILL + STILL_SHARE * length(way);
-    return moves && still.z > 0.0 ? moved : still;
+// Finds where a point of the surface that a pixel shows was in the view space of the frame before, by the motion that
+// the caller gives. `position` is where the point is seen now, in pixels. `point_at_rest` is where the point was if its
+// surface is at rest. The motion gives the earlier position on the screen but no distance. The distance is what the
+// frame before showed there, if a history keeps it.
+vec3 PreviousPointByMotion(vec2 position, ivec2 pixel, vec3 point_at_rest) {
+    vec2 motion_px = texelFetch(motion_buffer, pixel, 0).xy * history.motion_scale + history.motion_shift;
+    float off_rest_px = distance(position + motion_px, ProjectToPreviousPixels(point_at_rest));
+    vec2 position_before = clamp(position + motion_px, vec2(-BEYOND), history.beyond);
+    ivec2 pixel_before = ivec2(floor(position_before));
+    float depth_before = IsOnScreen(pixel_before) ? LoadGuide(pixel_before).depth : 0.0;
+    float z_before = depth_before > 0.0 ? Unproject(history.clip_to_view_before, position_before, depth_before).z
+                                        : point_at_rest.z;
+    float z_range = SAME_DEPTH * Reach(point_at_rest.z, history.clip_to_view_before);
+    float z = clamp(z_before, point_at_rest.z - z_range, point_at_rest.z + z_range);
+    vec4 clip = history.view_to_clip_before * vec4(point_at_rest.xy, z, 1.0);
+    vec3 moved_point = Unproject(history.clip_to_view_before, position_before, clip.z / clip.w);
+    // A motion that is NaN counts as none.
+    bool is_moving = off_rest_px > STILL + STILL_SHARE * length(motion_px);
+    return is_moving && point_at_rest.z > 0.0 ? moved_point : point_at_rest;
 }
 
-// Finds the earlier place of the reflected point `end`, which may lie on a moving thing; `still` is that place for a
-// thing at rest. The caller gives the motion only of what the screen shows.
-vec3 PreviousReflectedPoint(vec3 end, vec3 still) {
-    vec2 seen = ProjectToPixels(history.view_to_clip, end);
-    ivec2 pixel = ivec2(floor(seen));
+// Finds where the reflected point, which may lie on a moving thing, was in the frame before. `point_at_rest` is where
+// it was if the thing is at rest. The caller gives the motion only of what the screen shows.
+vec3 PreviousReflectedPoint(vec3 reflected_point, vec3 point_at_rest) {
+    vec2 position = ProjectToPixels(history.view_to_clip, reflected_point);
+    ivec2 pixel = ivec2(floor(position));
     ivec2 inside = clamp(pixel, ivec2(0), history.size - 1);
     float depth = texelFetch(depth_buffer, inside, 0).r;
-    float z = Unproject(history.clip_to_view, seen, depth).z;
-    bool is_shown = IsOnScreen(pixel) && depth > 0.0 && abs(z - end.z) < SHOWN * Reach(end.z, history.clip_to_view);
-    return is_shown ? PreviousPointByMotion(seen, inside, still) : still;
+    float z = Unproject(history.clip_to_view, position, depth).z;
+    bool is_shown = IsOnScreen(pixel) && depth > 0.0
+                 && abs(z - reflected_point.z) < SHOWN * Reach(reflected_point.z, history.clip_to_view);
+    return is_shown ? PreviousPointByMotion(position, inside, point_at_rest) : point_at_rest;
 }
 
 // The triangle that a pixel shows. If the G-buffer has no numbers, the image has one texel, with NO_TRIANGLE.

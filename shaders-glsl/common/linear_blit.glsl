@@ -4,11 +4,12 @@
 #define COMMON_LINEAR_BLIT_GLSL
 
 struct BilinearTexels {
-    ivec2 low, high;
-    vec2 part; // position between low and high, 0 to 1
+    ivec2 low, high; // the first and the last of the four
+    vec2 part;       // position between low and high, 0 to 1
 };
 
-// Finds the texels for a texel of the next level. `size` is that level's size, and `below` that of the blitted level.
+// Finds the four texels for a texel of the next level. `size` is that level's size, `below` the size of the level that
+// is blitted.
 BilinearTexels FindBilinearTexels(ivec2 texel, ivec2 size, ivec2 below) {
     vec2 place = max((vec2(texel) + 0.5) * (vec2(below) / vec2(size)) - 0.5, 0.0);
     ivec2 low = ivec2(place);

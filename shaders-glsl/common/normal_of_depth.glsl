@@ -10,8 +10,8 @@ vec3 ViewPoint(ivec2 pixel, float depth) {
     return h.xyz / h.w;
 }
 
-// The view-space step of one pixel along an axis, between the pixel and the one of its two neighbours that is nearer in
-// depth, and so more likely on the same surface. `point` is the pixel's view-space point.
+// The change of the view-space point from a pixel to the next one along an axis. It is taken to the neighbour, of the
+// two, that is nearer in depth and so more likely on the same surface. `point` is the pixel's view-space point.
 vec3 StepAlong(ivec2 axis, ivec2 pixel, float depth, vec3 point) {
     ivec2 last = ivec2(camera.resolution) - 1;
     ivec2 after = min(pixel + axis, last), before = max(pixel - axis, ivec2(0));

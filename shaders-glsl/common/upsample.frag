@@ -44,31 +44,31 @@ SHADE(out_reflection) {
     float reach = Reach(position.z, camera.clip_to_view_reversed);
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     ivec2 base = pixel / block.divisor;
-    vec2 f = vec2(pixel - base * block.divisor) / float(block.divisor);
+    vec2 part = vec2(pixel - base * block.divisor) / float(block.divisor);
     ivec2 last = textureSize(small_reflection, 0) - 1;
 
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    vec4 alike = vec4(0.0);   // the reflection of the most similar block, which is taken if none is similar enough
-    float likeness = -1.0;
+    vec4 best_reflection = vec4(0.0); // of the most similar block; it is taken if no block is similar enough
+    float best_weight = -1.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 step = ivec2(i & 1, i >> 1);
-        ivec2 small = min(base + step, last);
-        ivec2 stands_at = small * block.divisor;
-        float share = (step.x == 1 ? f.x : 1.0 - f.x) * (step.y == 1 ? f.y : 1.0 - f.y);
-        if (share <= 0.0 || !Reflects(stands_at))
+        ivec2 block_texel = min(base + step, last);
+        ivec2 full_pixel = block_texel * block.divisor;
+        float share = (step.x == 1 ? part.x : 1.0 - part.x) * (step.y == 1 ? part.y : 1.0 - part.y);
+        if (share <= 0.0 || !Reflects(full_pixel))
             continue;
         // A block that lies off the pixel's plane by VISIBLE_WITHIN of the reach has lost most of its weight.
-        float off = dot(normal, Position(stands_at) - position) / (VISIBLE_WITHIN * reach);
-        float facing = max(dot(normal, texelFetch(normal_buffer, stands_at, 0).xyz), 0.0);
-        float weight = exp(-off * off) * pow(facing, NORMAL_POWER);
-        vec4 reflection = texelFetch(small_reflection, small, 0);
+        float off_plane = dot(normal, Position(full_pixel) - position) / (VISIBLE_WITHIN * reach);
+        float facing = max(dot(normal, texelFetch(normal_buffer, full_pixel, 0).xyz), 0.0);
+        float weight = exp(-off_plane * off_plane) * pow(facing, NORMAL_POWER);
+        vec4 reflection = texelFetch(small_reflection, block_texel, 0);
         sum += share * weight * reflection;
         weights += share * weight;
-        if (weight > likeness) {
-            likeness = weight;
-            alike = reflection;
+        if (weight > best_weight) {
+            best_weight = weight;
+            best_reflection = reflection;
         }
     }
-    out_reflection = weights > 1e-3 ? sum / weights : alike;
+    out_reflection = weights > 1e-3 ? sum / weights : best_reflection;
 }

@@ -24,22 +24,22 @@ void main() {
         return;
     vec4 value = textureLod(hit_buffer, gl_FragCoord.xy / given.resolution, 0.0);
     vec2 uv = value.xy;
-    bool found = all(greaterThanEqual(uv, vec2(0.0)));
+    bool is_hit = all(greaterThanEqual(uv, vec2(0.0)));
     if (given.encoding == HITS_PIXEL) {
         uv = (floor(uv) + 0.5) / given.resolution;
     } else if (given.encoding == HITS_VIEW) {
         vec4 clip = given.view_to_clip * vec4(value.xyz, 1.0);
-        found = value.w > 0.0 && clip.w > 0.0;
+        is_hit = value.w > 0.0 && clip.w > 0.0;
         uv = clip.xy / clip.w * vec2(0.5, -0.5) + 0.5;
     } else if (given.encoding == HITS_UV_MASKED) {
-        found = value.w > 0.0;
+        is_hit = value.w > 0.0;
     }
     if (given.encoding == HITS_UV_DEPTH)
-        found = value.z >= 0.0;
+        is_hit = value.z >= 0.0;
     else
-        found = found && all(lessThanEqual(uv, vec2(1.0)));
+        is_hit = is_hit && all(lessThanEqual(uv, vec2(1.0)));
     ivec2 there = min(ivec2(uv * given.resolution), ivec2(given.resolution) - 1);
-    if (found)
+    if (is_hit)
         hit = vec4(uv, given.encoding == HITS_UV_DEPTH ? value.z : texelFetch(depth_buffer, there, 0).r, PATH_LINEAR);
     else
         hit.w = PATH_LINEAR_MISS;

@@ -17,20 +17,20 @@ void main() {
     ivec2 size = imageSize(level);
     if (any(greaterThanEqual(texel, size)))
         return;
-    ivec2 most = textureSize(below, 0) - 1;
-    float found;
+    ivec2 last_below = textureSize(below, 0) - 1;
+    float extreme;
     if (COPY) {
-        found = texelFetch(below, min(texel, most), 0).r;
+        extreme = texelFetch(below, min(texel, last_below), 0).r;
     } else {
-        found = texelFetch(below, min(2 * texel, most), 0).r;
+        extreme = texelFetch(below, min(2 * texel, last_below), 0).r;
         // The last texel also covers what no other texel covers.
-        ivec2 last = mix(min(2 * texel + 1, most), most, equal(texel, size - 1));
-        for (int y = 2 * texel.y; y <= last.y; ++y) {
-            for (int x = 2 * texel.x; x <= last.x; ++x) {
+        ivec2 last_covered = mix(min(2 * texel + 1, last_below), last_below, equal(texel, size - 1));
+        for (int y = 2 * texel.y; y <= last_covered.y; ++y) {
+            for (int x = 2 * texel.x; x <= last_covered.x; ++x) {
                 float depth = texelFetch(below, ivec2(x, y), 0).r;
-                found = MAXIMUM ? max(found, depth) : min(found, depth);
+                extreme = MAXIMUM ? max(extreme, depth) : min(extreme, depth);
             }
         }
     }
-    imageStore(level, texel, vec4(found));
+    imageStore(level, texel, vec4(extreme));
 }

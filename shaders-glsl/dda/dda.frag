@@ -90,33 +90,33 @@ float Depth(Line line, float s) {
 // ray is cut off at the near plane, at its greatest length and where it leaves the screen. Its `end` is 0 if it never
 // leaves its own pixel.
 Line Project(vec2 start, vec3 position, vec3 direction) {
-    float len = dda.longest;
+    float ray_length = dda.longest;
     if (direction.z < 0.0)
-        len = min(len, (camera.near_plane - position.z) / direction.z);
-    vec3 last = position + direction * len;
-    vec4 clip = camera.view_to_clip * vec4(last, 1.0);
-    vec2 way = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.resolution - start;
-    float pixels = max(abs(way.x), abs(way.y));
+        ray_length = min(ray_length, (camera.near_plane - position.z) / direction.z);
+    vec3 ray_end = position + direction * ray_length;
+    vec4 clip = camera.view_to_clip * vec4(ray_end, 1.0);
+    vec2 change_px = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.resolution - start;
+    float length_px = max(abs(change_px.x), abs(change_px.y));
     Line line = Line(start, vec2(0.0), 1.0 / position.z, 0.0, 0.0);
-    // This also holds for a ray without a length on the screen, and where a number is NaN or infinite.
-    if (!(pixels > OWN_PIXEL) || !(last.z > 0.0) || isinf(pixels))
+    // The condition also holds for a ray without a length on the screen, and where a number is NaN or infinite.
+    if (!(length_px > OWN_PIXEL) || !(ray_end.z > 0.0) || isinf(length_px))
         return line;
-    line.slope = way / pixels;
-    line.dk = (1.0 / last.z - line.k) / pixels;
-    line.end = pixels;
+    line.slope = change_px / length_px;
+    line.dk = (1.0 / ray_end.z - line.k) / length_px;
+    line.end = length_px;
     for (int axis = 0; axis < 2; ++axis) {
-        float side = line.slope[axis] > 0.0 ? camera.resolution[axis] : 0.0;
+        float border = line.slope[axis] > 0.0 ? camera.resolution[axis] : 0.0;
         if (line.slope[axis] != 0.0)
-            line.end = min(line.end, (side - start[axis]) / line.slope[axis]);
+            line.end = min(line.end, (border - start[axis]) / line.slope[axis]);
     }
     return line;
 }
 
-// Whether the depths of the ray from s = a to s = b meet the surface that a layer shows at `place`.
-bool Meets(Line line, vec2 place, float a, float b, int layer) {
-    float scene = SceneDepth(place, layer);
-    vec2 depths = vec2(Depth(line, a), Depth(line, b));
-    return max(depths.x, depths.y) >= scene && min(depths.x, depths.y) <= scene + dda.thickness;
+// Whether the depths of the ray between two values of s meet the surface that a layer shows at `place`.
+bool Meets(Line line, vec2 place, float from, float to, int layer) {
+    float surface_z = SceneDepth(place, layer);
+    vec2 depths = vec2(Depth(line, from), Depth(line, to));
+    return max(depths.x, depths.y) >= surface_z && min(depths.x, depths.y) <= surface_z + dda.thickness;
 }
 
 // Whether the ray at s is as far away as the surface that a layer shows there, or farther.
@@ -192,8 +192,8 @@ bool MeetsSky(vec3 direction, out vec2 uv) {
 // The colour of the sky at a position on the screen, interpolated between those of the four pixels around it that show
 // sky; one of them must.
 vec3 SkyShown(vec2 uv) {
-    precise vec2 corner = uv * camera.resolution - 0.5;
-    vec2 low = floor(corner), part = corner - low;
+    precise vec2 from_middle = uv * camera.resolution - 0.5;
+    vec2 low = floor(from_middle), part = from_middle - low;
     precise vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
@@ -217,8 +217,8 @@ SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
         return;
 
     vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
-    vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
-    vec3 position = h.xyz / h.w;
+    vec4 homogeneous = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
+    vec3 position = homogeneous.xyz / homogeneous.w;
     vec3 direction = reflect(normalize(position), normalize(normal));
     Line line = Project(PIXEL_CENTRE, position, direction);
     int layer, path;
@@ -226,10 +226,10 @@ SHADE_ALL(out_reflection, STORE_IF(HITS, out_hit)) {
     if (s < 0.0) {
         if (HITS)
             out_hit.w = float(path);
-        vec2 end;
-        if (path == PATH_LINEAR_MISS && MeetsSky(direction, end)) {
-            float sky_fade = dda.fade != 0 ? BorderFade(end, dda.fade_start, dda.fade_end) : 1.0;
-            out_reflection = vec4(Sound(SkyShown(end)), sky_fade);
+        vec2 sky_uv;
+        if (path == PATH_LINEAR_MISS && MeetsSky(direction, sky_uv)) {
+            float sky_fade = dda.fade != 0 ? BorderFade(sky_uv, dda.fade_start, dda.fade_end) : 1.0;
+            out_reflection = vec4(Sound(SkyShown(sky_uv)), sky_fade);
         }
         return;
     }

@@ -1,5 +1,4 @@
-// Tests whether a pixel belongs to the plane of a mirror: whether it reflects, and its point lies in the plane. This
-// test replaces a mesh of the mirror, and finds whatever reflects in the plane.
+// Tests whether a pixel reflects and its point lies in the plane of a mirror. The test replaces a mesh of the mirror.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"

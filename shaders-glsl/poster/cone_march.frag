@@ -2,10 +2,10 @@
 #pragma program(ConeMarchMip)
 #pragma program(ConeMarchVolume, VOLUME)
 #pragma in_either_stage
-// The poster's cone march (Hermanns and Franke 2014, "Technical Approach"): from a pixel's position along
-// the reflected view direction through the pre-filtered G-buffer, whose filter level follows the cone.
-// VOLUME reads the volumes instead of the mip chains. With LAYERS there is a second layer of depth behind the first
-// (the poster's conclusion): a layer then has a thickness, and what goes behind both meets the second one.
+// The poster's cone march (Hermanns and Franke 2014, "Technical Approach"): from a pixel's position along the reflected
+// view direction through the pre-filtered G-buffer, whose filter level follows the cone. VOLUME reads the volumes
+// instead of the mip chains. With LAYERS there is a second layer of depth behind the first (the poster's conclusion),
+// and each layer has a thickness, so that rays can pass behind the first one.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -166,7 +166,7 @@ float ConeMarch(Cone cone, out int layer) {
 
         // 3, 4: "If we step through the depth buffer (i.e. the current cone positions Z is behind the sampled depth), a
         // hit-point is detected. We go back to the midpoint of the current position Q_N and the previous position Q_N-1"
-        // Departure: what is left of the step lies within half of it, so that the search begins with a quarter.
+        // Departure: the hit is at most half a step from the midpoint, so that the search begins with a quarter step.
         if (!LAYERS && DepthDelta(cone, pathLength, 0) < 0.0)
             return BinarySearch(cone, previous + 0.5 * stride, 0.25 * stride, 0);
 

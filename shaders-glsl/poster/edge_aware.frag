@@ -26,10 +26,10 @@ bool SameSurface(float a, float b) {
 
 SHADE_ALL(out_depth, STORE(out_normal) STORE(out_color)) {
     ivec2 size = textureSize(depth_source, 0);
-    ivec2 here = ivec2(PIXEL_CENTRE);
-    ivec2 first = 2 * here;
+    ivec2 target_texel = ivec2(PIXEL_CENTRE);
+    ivec2 first = 2 * target_texel;
     // The last texel takes the row or column that is left over where a size is odd.
-    ivec2 last = mix(first + 1, size - 1, greaterThanEqual(here + 1, max(size / 2, ivec2(1))));
+    ivec2 last = mix(first + 1, size - 1, greaterThanEqual(target_texel + 1, max(size / 2, ivec2(1))));
 
     float depths[9];
     int count = 0;
@@ -37,32 +37,32 @@ SHADE_ALL(out_depth, STORE(out_normal) STORE(out_color)) {
         for (int x = first.x; x <= last.x; ++x)
             depths[count++] = texelFetch(depth_source, ivec2(x, y), 0).r;
 
-    // The depth that most of the others agree with. If several have as many that agree, the nearest of them counts.
-    float surface = depths[0];
-    int most = 0;
+    // `common_depth` is the depth with which most others agree. Of several with as many, the nearest counts.
+    float common_depth = depths[0];
+    int most_agreeing = 0;
     for (int i = 0; i < count; ++i) {
-        int agree = 0;
+        int agreeing = 0;
         for (int j = 0; j < count; ++j)
-            agree += int(SameSurface(depths[i], depths[j]));
-        if (agree > most || (agree == most && depths[i] < surface)) {
-            most = agree;
-            surface = depths[i];
+            agreeing += int(SameSurface(depths[i], depths[j]));
+        if (agreeing > most_agreeing || (agreeing == most_agreeing && depths[i] < common_depth)) {
+            most_agreeing = agreeing;
+            common_depth = depths[i];
         }
     }
 
     out_depth = 0.0;
     out_normal = out_color = vec4(0.0);
-    int n = 0;
+    int next = 0;
     for (int y = first.y; y <= last.y; ++y)
         for (int x = first.x; x <= last.x; ++x) {
-            float depth = depths[n++];
-            if (!SameSurface(depth, surface))
+            float depth = depths[next++];
+            if (!SameSurface(depth, common_depth))
                 continue;
             out_depth += depth;
             out_normal += texelFetch(normal_source, ivec2(x, y), 0);
             out_color += texelFetch(color_source, ivec2(x, y), 0);
         }
-    float weight = 1.0 / float(most);
+    float weight = 1.0 / float(most_agreeing);
     out_depth *= weight;
     out_normal *= weight;
     out_color *= weight;

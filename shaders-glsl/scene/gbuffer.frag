@@ -58,12 +58,16 @@ bool IsPeeled() {
 // a 256th of a texel of a map of 4096 texels, the finest step that filters resolve.
 #define POINT_WIDTH (1.0 / 1048576.0)
 
-// The texture coordinates at which a pixel samples. Very close to the eye, or where rounding makes neighbouring
-// coordinates jump, a map repeats thousands of times within a pixel. The sampler then uses the last level anyway, but
-// lavapipe's anisotropic filter goes over the repeats one by one, for seconds. The pixel's own position as coordinates
-// repeats the map once a pixel, which also selects the last level. On a surface without coordinates, all pixels have
-// equal ones. There the anisotropic filter of lavapipe since Mesa 24 divides zero by zero and gives 0 (in Vulkan, the
-// ratio of anisotropy is 1). So neighbours get slightly different coordinates.
+// The texture coordinates at which a pixel samples: those of the surface, but for two cases.
+//
+// Very close to the eye, or where rounding makes neighbouring coordinates jump, a map repeats thousands of times within
+// a pixel. The sampler then uses the last level anyway, but lavapipe's anisotropic filter goes over the repeats one by
+// one, for seconds. The pixel's own position as coordinates repeats the map once a pixel, which also selects the last
+// level.
+//
+// On a surface without coordinates, all pixels have equal ones. There the anisotropic filter of lavapipe since Mesa 24
+// divides zero by zero and gives 0 (in Vulkan, the ratio of anisotropy is 1). So neighbours get slightly different
+// coordinates.
 vec2 SamplingUv() {
     vec2 repeats = fwidthCoarse(in_uv);
     if (repeats == vec2(0.0)) {

@@ -25,13 +25,13 @@ SHADE(out_color) {
     vec2 ndc = PIXEL_CENTRE / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
 
     if (depth <= 0.0 || albedo.a < 0.5) {
-        vec4 along = camera.clip_to_view * vec4(ndc, 0.5, 1.0);
-        vec3 direction = mat3(camera.view_to_world) * ViewDirection(along.xyz / along.w);
+        vec4 far_point = camera.clip_to_view * vec4(ndc, 0.5, 1.0);
+        vec3 direction = mat3(camera.view_to_world) * ViewDirection(far_point.xyz / far_point.w);
         out_color = vec4(SKY_APART ? vec3(0.0) : textureLod(environment, direction, 0.0).rgb, 0.0);
         return;
     }
-    vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
-    vec3 position = h.xyz / h.w;
+    vec4 homogeneous = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
+    vec3 position = homogeneous.xyz / homogeneous.w;
     vec3 normal = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
 
     float emission = clamp((1.0 - albedo.a) / EMISSION, 0.0, 1.0);

@@ -7,13 +7,13 @@
 // `geometric` is a unit vector; `tangent` runs along +u and has the bitangent's sign in w; `mapped` is the map's vector,
 // -1 to 1.
 vec3 ShadingNormal(vec3 geometric, vec4 tangent, vec3 mapped, float deviation) {
-    vec3 along = tangent.xyz - geometric * dot(geometric, tangent.xyz);
-    float size = length(along);
-    if (!(size > 1e-6))
+    vec3 tangent_direction = tangent.xyz - geometric * dot(geometric, tangent.xyz);
+    float tangent_length = length(tangent_direction);
+    if (!(tangent_length > 1e-6))
         return geometric;
-    along /= size;
-    vec3 bitangent = tangent.w * cross(geometric, along);
-    vec3 bumped = normalize(along * mapped.x + bitangent * mapped.y + geometric * max(mapped.z, 1e-3));
+    tangent_direction /= tangent_length;
+    vec3 bitangent = tangent.w * cross(geometric, tangent_direction);
+    vec3 bumped = normalize(tangent_direction * mapped.x + bitangent * mapped.y + geometric * max(mapped.z, 1e-3));
     return normalize(mix(geometric, bumped, deviation));
 }
 

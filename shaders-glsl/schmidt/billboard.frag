@@ -1,9 +1,9 @@
 #version 460
 #pragma program(Billboard)
 #pragma in_either_stage
-// `billboard`: impostor quads traced per pixel from the G-buffer, "in the G-buffer stage" (Schmidt 2013,
-// section 5.3). Mirrors, unless `blur` asks for more: the listings know no roughness. `ibr` draws its planes by the same
-// program, with images captured from the scene (thesis 3.1.4).
+// The method `billboard` traces a mirror ray from each pixel of the G-buffer against impostor quads, "in the G-buffer
+// stage" (Schmidt 2013, section 5.3). The listings blur nothing; the uniform `blur` can add a blur. The method `ibr`
+// draws its planes by the same program, with images captured from the scene (thesis 3.1.4).
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -16,7 +16,7 @@ layout(binding = 5) uniform sampler2D material_buffer;
 
 OUTPUT(0, rgba16f, vec4, out_reflection);
 
-// The most samples of a ray on the screen. A ray takes one for each pixel; a longer ray takes no more than these.
+// The most samples of a ray on the screen. A ray takes a sample for each pixel, up to this number.
 #define MARCH_MAX 512
 
 // The view-space point at a position in pixels and a reversed depth.
@@ -42,57 +42,58 @@ float ViewZ(ivec2 pixel) {
 float Thickness(ivec2 pixel, float z) {
     vec2 slope = vec2(0.0);
     for (int axis = 0; axis < 2; ++axis) {
-        float least = -1.0;
+        float least_gap = -1.0;
         for (int side = -1; side <= 1; side += 2) {
             ivec2 beside = pixel;
             beside[axis] += side;
             if (beside[axis] < 0 || beside[axis] >= int(camera.resolution[axis]))
                 continue;
-            float other = ViewZ(beside);
-            if (other > 0.0 && (least < 0.0 || abs(other - z) < least))
-                least = abs(other - z);
+            float neighbour_z = ViewZ(beside);
+            if (neighbour_z > 0.0 && (least_gap < 0.0 || abs(neighbour_z - z) < least_gap))
+                least_gap = abs(neighbour_z - z);
         }
-        slope[axis] = max(least, 0.0);
+        slope[axis] = max(least_gap, 0.0);
     }
     return slope.x + slope.y + SHARE_OF_DEPTH * z;
 }
 
-// Whether the depth buffer shows something on the way from a pixel to its hit on a billboard, `t` metres away. Beyond
-// the screen nothing is known, and nothing hides the billboard.
+// Whether the depth buffer shows something between a pixel and its hit on a billboard, `t` metres away. Beyond the
+// screen nothing is known, and nothing hides the billboard.
 bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
     if (occlusion == 0)
         return false;
-    vec3 from = (camera.world_to_view * vec4(wsPosition, 1.0)).xyz;
+    vec3 begin = (camera.world_to_view * vec4(wsPosition, 1.0)).xyz;
     vec3 along = mat3(camera.world_to_view) * wsReflectVec;
-    float far_end = max((from + t * along).z, camera.near_plane);
+    float far_end = max((begin + t * along).z, camera.near_plane);
     // A thing this near to the billboard is the thing that the billboard stands for, and does not hide it.
     t -= VISIBLE_WITHIN + VISIBLE_WITHIN * far_end;
-    // The way ends before the near plane, where the projection ends.
+    // The ray is cut off before the near plane, where the projection ends.
     if (along.z < 0.0)
-        t = min(t, (from.z - camera.near_plane) / -along.z * 0.999);
+        t = min(t, (begin.z - camera.near_plane) / -along.z * 0.999);
     if (t <= 0.0)
         return false;
-    vec3 start = Screen(from);
-    vec3 step = Screen(from + t * along) - start;
-    float pixels = max(abs(step.x), abs(step.y));
-    // `inside` is the part of the way until the ray leaves the screen.
-    vec2 room = mix(start.xy, camera.resolution - start.xy, greaterThan(step.xy, vec2(0.0))) / max(abs(step.xy), 1e-6);
-    float inside = min(1.0, min(room.x, room.y));
-    int steps = int(clamp(ceil(pixels * inside), 1.0, float(MARCH_MAX)));
-    step *= inside / float(steps);
-    ivec2 own = ivec2(start.xy);
+    vec3 start = Screen(begin);
+    vec3 step = Screen(begin + t * along) - start;
+    float length_px = max(abs(step.x), abs(step.y));
+    // `on_screen_share` is the share of the ray that lies on the screen.
+    vec2 to_border = mix(start.xy, camera.resolution - start.xy, greaterThan(step.xy, vec2(0.0)))
+                   / max(abs(step.xy), 1e-6);
+    float on_screen_share = min(1.0, min(to_border.x, to_border.y));
+    int steps = int(clamp(ceil(length_px * on_screen_share), 1.0, float(MARCH_MAX)));
+    step *= on_screen_share / float(steps);
+    ivec2 own_pixel = ivec2(start.xy);
     for (int i = 0; i < steps; ++i) {
         vec3 a = start + float(i) * step;
         vec3 b = a + step;
         ivec2 pixel = ivec2(0.5 * (a.xy + b.xy));
-        if (pixel == own)
+        if (pixel == own_pixel)
             continue;
-        float front = ViewZ(pixel);
-        if (front < 0.0)
+        float pixel_z = ViewZ(pixel);
+        if (pixel_z < 0.0)
             continue;
         float z_a = ViewPosition(a.xy, a.z).z;
         float z_b = ViewPosition(b.xy, b.z).z;
-        if (max(z_a, z_b) >= front && min(z_a, z_b) <= front + Thickness(pixel, front))
+        if (max(z_a, z_b) >= pixel_z && min(z_a, z_b) <= pixel_z + Thickness(pixel, pixel_z))
             return true;
     }
     return false;
@@ -105,13 +106,13 @@ float roughness = 0.0;
 // blur, the width of the cone at the hit is added. `t` is the distance from the pixel to the hit, in metres.
 float BillboardLod(int i, vec3 wsPosition, float t) {
     vec3 eye = camera.view_to_world[3].xyz;
-    float pixel = 2.0 / (camera.view_to_clip[1][1] * camera.resolution.y);
-    float path = distance(wsPosition, eye) + t;
-    float width = path * pixel;
+    float pixel_angle = 2.0 / (camera.view_to_clip[1][1] * camera.resolution.y);
+    float path_length = distance(wsPosition, eye) + t;
+    float width = path_length * pixel_angle;
     if (blur != BLUR_NONE)
-        width += 2.0 * tan(ConeAngle(roughness)) * (blur == BLUR_DISTANCE ? path : t);
-    mat4 m = Impostor[i].ModelMatrix;
-    vec2 texels = TexelCount(i) / vec2(length(m[0].xyz), length(m[2].xyz));
+        width += 2.0 * tan(ConeAngle(roughness)) * (blur == BLUR_DISTANCE ? path_length : t);
+    mat4 model = Impostor[i].ModelMatrix;
+    vec2 texels = TexelCount(i) / vec2(length(model[0].xyz), length(model[2].xyz));
     return log2(max(width * max(texels.x, texels.y), 1.0));
 }
 

@@ -1,8 +1,8 @@
 #version 460
 #pragma program(Pccm)
 #pragma in_either_stage
-// `pccm`: parallax-corrected cube mapping (Schmidt 2013, section 5.2, listing 1), and between two maps
-// the blending that its section 6 suggests. `local-map` is the same without the correction (thesis 3.1.3).
+// The method `pccm`: parallax-corrected cube mapping (Schmidt 2013, section 5.2, listing 1), which blends between two
+// maps as its section 6 suggests. The method `local-map` is `pccm` without the correction (thesis 3.1.3).
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"
@@ -53,8 +53,8 @@ vec3 ParallaxCorrecteCubeMapping(in vec3 wsPosition, in vec3 wsReflectionVector,
     return wsIntersection - wsCubeMapPosition;
 }
 
-// Whether the map stands for a position's surroundings. A surface lies on its box as often as not, so
-// a twentieth of a metre counts as inside.
+// Whether a position lies inside a map's box. Surfaces often lie on the sides of their box, so that positions up to
+// 0.05 m outside of it count as inside.
 bool IsInside(vec3 position, Box box) {
     return all(greaterThanEqual(position, box.min - 0.05)) && all(lessThanEqual(position, box.max + 0.05));
 }
@@ -77,8 +77,8 @@ SHADE(out_reflection) {
         distances[k] = distance(pixel.position, map.position.xyz);
         inside[k] = IsInside(pixel.position, box);
     }
-    // Within one of the boxes its map counts alone. Within both, or neither, each counts by the inverse
-    // square of the distance from where it was captured, so that at that place it is alone, too.
+    // If the position lies in one box only, that map counts alone. Otherwise each map counts by the inverse square of the
+    // distance to where it was captured.
     float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);
     if (inside[0] != inside[1]) {
         second = inside[1] ? 1.0 : 0.0;

@@ -1,10 +1,10 @@
 #version 460
 #pragma program(ScreenSpaceReflections)
 #pragma in_either_stage
-// Screen space reflections (Schmidt 2013, section 5.4.1): listing 4, and with OPTIMIZED the march of
-// listing 5 in place of its own. Spaces here: texture coordinates from the top left and standard depth,
-// which are the listing's 0.5 * ndc + 0.5 but for the direction of y. With LAYERS what a ray that went behind the first
-// layer of depth meets is the second one (section 6): SampleDepth and SampleDiffuse alone know of it.
+// Screen space reflections (Schmidt 2013, section 5.4.1): listing 4, and with OPTIMIZED the march of listing 5 in place
+// of its own. Positions are texture coordinates from the top left and standard depth: the listing's 0.5 * ndc + 0.5 but
+// for the direction of y. With LAYERS, a ray that went behind the first layer of depth meets the second one (section
+// 6); only SampleDepth and SampleDiffuse know of it.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"

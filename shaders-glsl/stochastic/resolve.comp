@@ -24,10 +24,10 @@ layout(constant_id = 0) const bool OVER = false; // another reflection shows whe
 // The greatest weight of a ray, which is lobe over density, as a logarithm to base 2.
 #define GREATEST_WEIGHT 4.0
 
-// The pixel from which `pixel` gathers its n-th ray: on a spiral of golden angles, which `turned` radians turn.
-ivec2 NeighbourPixel(ivec2 pixel, int n, float turned) {
+// The pixel from which `pixel` gathers its n-th ray: on a spiral of golden angles, rotated by `rotation` radians.
+ivec2 NeighbourPixel(ivec2 pixel, int n, float rotation) {
     float share = float(n) / float(max(stochastic.gathered - 1, 1));
-    float angle = turned + GOLDEN_ANGLE * float(n);
+    float angle = rotation + GOLDEN_ANGLE * float(n);
     vec2 offset = stochastic.radius * sqrt(share) * vec2(cos(angle), sin(angle));
     return clamp(pixel + ivec2(round(offset)), ivec2(0), unified.size - 1);
 }
@@ -42,8 +42,8 @@ void main() {
         sum = imageLoad(sum_image, pixel);
         weights = imageLoad(weight_image, pixel).xyz;
     }
-    vec4 own = texelFetch(place_buffer, pixel, 0);
-    if (own.w != 0.0) {
+    vec4 own_ray = texelFetch(place_buffer, pixel, 0);
+    if (own_ray.w != 0.0) {
         float depth = texelFetch(depth_buffer, pixel, 0).r;
         vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
         float roughness = texelFetch(material_buffer, pixel, 0).y;
@@ -52,11 +52,11 @@ void main() {
         float power = LobePower(roughness);
         // A mirror has its own ray alone.
         int gathered = roughness <= 0.0 ? 1 : stochastic.gathered;
-        float turned = TAU * GradientNoise(vec2(pixel) + 5.588238 * float(stochastic.turn & 63));
+        float rotation = TAU * GradientNoise(vec2(pixel) + 5.588238 * float(stochastic.turn & 63));
         for (int n = 0; n < gathered; ++n) {
-            ivec2 neighbour = n == 0 ? pixel : NeighbourPixel(pixel, n, turned);
+            ivec2 neighbour = n == 0 ? pixel : NeighbourPixel(pixel, n, rotation);
             vec4 place = texelFetch(place_buffer, neighbour, 0);
-            vec4 seen = texelFetch(seen_buffer, neighbour, 0);
+            vec4 seen_color = texelFetch(seen_buffer, neighbour, 0);
             bool is_hit = place.w > 0.0;
             vec3 away = is_hit ? place.xyz - point : place.xyz;
             float squared = dot(away, away);
@@ -69,7 +69,7 @@ void main() {
             float weight = n == 0 ? 1.0 : place.w != 0.0 ? exp2(min(log_weight, GREATEST_WEIGHT)) : 0.0;
             // A direction below the surface shows nothing, but its weight counts.
             bool is_seen = is_hit && dot(direction, normal) > 0.0;
-            sum += is_seen ? weight * seen : vec4(0.0);
+            sum += is_seen ? weight * seen_color : vec4(0.0);
             weights += weight * (is_seen ? vec3(1.0, 1.0, sqrt(squared)) : vec3(1.0, 0.0, 0.0));
         }
     }
@@ -88,6 +88,6 @@ void main() {
         reflection = fade > 0.0 ? vec4(reflection.rgb * (reflection.a / fade), fade) : vec4(0.0);
     }
     imageStore(reflection_image, pixel, vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0)));
-    float away = weights.y > 0.0 ? weights.z / weights.y : 0.0;
-    imageStore(ends_image, pixel, uvec4(floatBitsToUint(away), NO_TRIANGLE, 0u, 0u));
+    float mean_distance = weights.y > 0.0 ? weights.z / weights.y : 0.0;
+    imageStore(ends_image, pixel, uvec4(floatBitsToUint(mean_distance), NO_TRIANGLE, 0u, 0u));
 }

@@ -27,8 +27,8 @@ float GradientNoise(vec2 pixel) {
 // Two numbers between 0 and 1 for a ray of a pixel: a point of the R2 sequence (Roberts 2018), which each pixel shifts
 // by other numbers.
 vec2 RaySample2D(ivec2 pixel, int turn) {
-    vec2 begins = vec2(GradientNoise(vec2(pixel)), GradientNoise(vec2(pixel.yx) + vec2(47.0, 17.0)));
-    return fract(begins + SequencePoint(turn));
+    vec2 pixel_shift = vec2(GradientNoise(vec2(pixel)), GradientNoise(vec2(pixel.yx) + vec2(47.0, 17.0)));
+    return fract(pixel_shift + SequencePoint(turn));
 }
 
 #endif

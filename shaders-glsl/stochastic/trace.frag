@@ -44,36 +44,36 @@ struct RayEnd {
 
 #ifndef EXACT
 // The lit colour of the screen at a position in pixels, interpolated between the four pixels around it, whatever
-// surfaces they show. Pixels of sky are left out of the sum and replaced by `along`, the sky along the ray. It is
-// looked up once, since a device that executes both sides of a branch pays for every look-up.
-vec3 SampleScreenBilinear(vec2 position, vec3 along) {
-    vec2 corner = position - 0.5;
-    vec2 first = floor(corner);
-    vec2 part = corner - first;
+// surfaces they show. Pixels of sky get `sky_color`, the sky along the ray, which is looked up once, since a device
+// that executes both sides of a branch pays for every look-up.
+vec3 SampleScreenBilinear(vec2 position, vec3 sky_color) {
+    vec2 from_middle = position - 0.5;
+    vec2 first_pixel = floor(from_middle);
+    vec2 part = from_middle - first_pixel;
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
-        vec4 seen = ScreenColor(clamp(ivec2(first) + next, ivec2(0), unified.size - 1));
+        vec4 seen = ScreenColor(clamp(ivec2(first_pixel) + next, ivec2(0), unified.size - 1));
         vec2 weight = mix(1.0 - part, part, vec2(next));
         bool shows_sky = ShowsSky(seen);
         sum += weight.x * weight.y * (shows_sky ? vec4(0.0) : vec4(seen.rgb, 1.0));
     }
-    return Sound(sum.rgb) + (1.0 - sum.a) * along;
+    return Sound(sum.rgb) + (1.0 - sum.a) * sky_color;
 }
 #endif
 
 // Traces a ray from a pixel along a unit direction in view space.
 RayEnd TraceDirection(ivec2 pixel, float depth, vec3 direction, vec3 normal, bool is_mirror) {
 #ifdef EXACT
-    bool faces = true;
+    bool is_front = true;
     Ray ray = RayAlong(pixel, depth, direction);
     if (is_mirror)
-        ray = MirrorRay(pixel, depth, normal, faces);
+        ray = MirrorRay(pixel, depth, normal, is_front);
     Hit hit = Traverse(ray);
     bool hits = hit.code == PATH_HI_Z;
     bool is_far = LeavesThroughFarPlane(ray, hit);
     ScreenHitColor screen_hit = SampleScreenHit(hit, ViewPoint(ray.start, depth), normal, ray.direction, SampleSkyView(direction));
-    bool shows = faces && (hits || (is_far && screen_hit.is_sky));
+    bool shows = is_front && (hits || (is_far && screen_hit.is_sky));
     return RayEnd(hit.code == PATH_MISS ? MissCode(ray) : hit.code, hits, shows, hit.position, hit.depth, screen_hit.color);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);

@@ -2,8 +2,8 @@
 #pragma program(Depth)
 #pragma in_either_stage
 #pragma in_either_stage(MINIMUM)
-// Level 0 of the Hi-Z buffer: the post-projected depth (thesis 4.2.1), here standard depth from
-// the G-buffer's reversed depth (docs/definitions.md, "Spaces"), as minimum, and as maximum if that is kept.
+// Writes level 0 of the Hi-Z buffer, the post-projected depth (thesis 4.2.1): standard depth from the G-buffer's reversed
+// depth (docs/definitions.md, "Spaces"), as minimum, and as maximum if that is kept.
 
 #include "common/either_stage.glsl"
 

@@ -1,8 +1,8 @@
 #version 460
 #pragma program(Environment)
 #pragma in_either_stage
-// `environment`: a pre-filtered cube map by the direction of the reflection alone (thesis 3.1.3), as
-// if all that is seen were infinitely far: right for the sky, and for nothing else.
+// The method `environment` looks the reflection up in a pre-filtered cube map, by its direction alone (thesis 3.1.3).
+// This is right for the sky, which is infinitely far away, and for nothing else.
 
 #include "common/either_stage.glsl"
 #include "common/camera.glsl"

@@ -2,10 +2,10 @@
 #pragma program(GaussianBlur)
 #pragma program(GaussianBlurMasked, MASKED)
 #pragma in_either_stage
-// The Gaussian of thesis 4.3.2, which 4.2.6 names as the alternative to the hardware's mip chain. One
-// direction; the horizontal pass also halves the level, as its bilinear taps lie at the coarse
-// level's texel centres. Masked, it is what chapter 6 proposes: "a mask buffer in the blur pass for the color
-// buffer". The mask is read from the Hi-Z buffer, whose texels of the level that is written lie where the taps do.
+// Blurs a level of the colour chain in one direction by the Gaussian of thesis 4.3.2, which 4.2.6 names as the
+// alternative to the hardware's mip chain. The horizontal pass also halves the level, as its bilinear taps lie at the
+// texel centres of the coarse level. MASKED is what chapter 6 proposes: "a mask buffer in the blur pass for the color
+// buffer". The mask is read from the Hi-Z buffer, at the level that is written, whose texels lie where the taps do.
 
 #include "common/either_stage.glsl"
 #include "thesis/gaussian_blur.glsl"
@@ -31,7 +31,7 @@ float ViewDepth(float depth) {
     return blur.near * blur.far / (blur.far - depth * (blur.far - blur.near));
 }
 
-// Whether the tap at a place counts, as the mask buffer of 4.3.2 says it.
+// Whether the tap at a place counts: the mask buffer of 4.3.2.
 bool Mask(vec2 texCoord) {
     float depth = textureLod(hiZ, texCoord, 0.0).r;
     if (!SURFACE)

@@ -2,8 +2,8 @@
 #pragma program(HiZ)
 #pragma in_either_stage
 #pragma in_either_stage(MINIMUM)
-// Hi-Z buffer generation: one level from the level below (thesis 4.2.4, Alg. 3, Eq. 4.1). The
-// author's program keeps the maximum beside the minimum; so does this if the target has a second channel.
+// Hi-Z buffer generation: one level from the level below (thesis 4.2.4, Alg. 3, Eq. 4.1). If the target has a second
+// channel, the maximum is kept beside the minimum, as in the author's program.
 
 #include "common/either_stage.glsl"
 

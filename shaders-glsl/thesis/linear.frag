@@ -1,8 +1,8 @@
 #version 460
 #pragma program(Linear)
 #pragma in_either_stage
-// `linear`: every ray by one of the marches of thesis 4.2.2, and the colour where it ends: a mirror
-// lookup, whatever the roughness.
+// The method `linear` follows every ray by one of the marches of thesis 4.2.2, and shows the colour where it ends,
+// whatever the roughness.
 
 #include "common/either_stage.glsl"
 #include "thesis/parameters.glsl"

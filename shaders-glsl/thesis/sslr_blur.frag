@@ -1,8 +1,8 @@
 #version 460
 #pragma program(SslrBlur)
 #pragma in_either_stage
-// `sslr`: one direction of one level of both chains (thesis 4.3.2): the ray trace colour, weighted by
-// the mask, and the mask itself.
+// `sslr`, stage 2: blurs one level of both chains in one direction (thesis 4.3.2). The chains are the ray trace colour,
+// weighted by the mask, and the mask itself.
 
 #include "common/either_stage.glsl"
 #include "thesis/gaussian_blur.glsl"

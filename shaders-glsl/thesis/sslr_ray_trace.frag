@@ -1,9 +1,9 @@
 #version 460
 #pragma program(SslrRayTrace)
 #pragma in_either_stage
-// `sslr`, stage 1: uniform ray march, with the step chosen by roughness and no refinement (thesis
-// 4.3.1). Writes the colour at the intersection with the ray's length in a, and the mask; and if it is wanted
-// the intersection itself, which the method has no need of.
+// `sslr`, stage 1: uniform ray march, with the step chosen by roughness and no refinement (thesis 4.3.1). Writes the
+// colour at the intersection with the ray's length in a, and the mask. With HITS, it also writes the intersection
+// itself, which the method does not read.
 
 #include "common/either_stage.glsl"
 #include "thesis/parameters.glsl"

@@ -51,11 +51,11 @@ TreeRay SpawnRay(vec3 start, vec3 direction, uint triangle, out bool is_outward)
     // A parallel ray of sight may begin anywhere along its line, and does so best near the triangle.
     vec3 sight = ORTHOGRAPHIC ? captures.view_to_world[2].xyz : start;
     vec3 point = PointOfTriangle(slot, start, sight, flat_normal, error);
-    float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
-    is_outward = !is_known || side * dot(flat_normal, sight) < 0.0;
+    float normal_sign = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
+    is_outward = !is_known || normal_sign * dot(flat_normal, sight) < 0.0;
     // The error counts twice: for the point, and for the corners of neighbouring triangles in the same plane.
-    precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
-    uint own = Geometry(triangles.corners + 3 * int(slot)).w;
+    precise vec3 origin = point + normal_sign * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
+    uint own_number = Geometry(triangles.corners + 3 * int(slot)).w;
     // A rasteriser interpolates depth between corners that may lie at the near plane, where depth is 1. So depth errs
     // by a few half units in the last place of 1. Depth is unit / z, so that an error of depth, times z z / unit, is
     // one in metres. If depth is linear in z, the factor is the distance between the planes.
@@ -64,7 +64,7 @@ TreeRay SpawnRay(vec3 start, vec3 direction, uint triangle, out bool is_outward)
     // A rasteriser also rounds the corners' places on the screen, and a pixel that stands for a block has the depth of
     // the block's first pixel. Both place the point beside the surface.
     depth_error += triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : length(start));
-    return MakeTreeRay(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
+    return MakeTreeRay(is_known ? origin : start + triangles.eye, direction, is_known ? own_number : NO_TRIANGLE,
                        is_known ? 0.0 : depth_error);
 }
 

@@ -38,11 +38,11 @@ vec3 BarycentricWeights(TriangleHit hit) {
 // if it is single-sided, the ray must come from in front.
 bool StopsRay(TriangleHit hit) {
     uint id = hit.id & ~ASKS_MATERIAL;
-    uint word = Attribute(id, 0).w;
-    uvec4 mask = Material(word, 2);
-    vec2 place = InterpolateUv(BarycentricWeights(hit), Attribute(id, 1), Attribute(id, 2));
-    bool hole = SampleImage(mask.zw, mask.x >> MASK_SHIFT, place, 0.0).x < 0.5;
-    return !hole && !(hit.side < 0.0 && (mask.x & MATERIAL_SINGLE_SIDED) != 0u);
+    uint material_word = Attribute(id, 0).w;
+    uvec4 mask = Material(material_word, 2);
+    vec2 uv = InterpolateUv(BarycentricWeights(hit), Attribute(id, 1), Attribute(id, 2));
+    bool is_hole = SampleImage(mask.zw, mask.x >> MASK_SHIFT, uv, 0.0).x < 0.5;
+    return !is_hole && !(hit.side < 0.0 && (mask.x & MATERIAL_SINGLE_SIDED) != 0u);
 }
 
 #ifdef RAY_QUERY
@@ -73,29 +73,29 @@ vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
     uint id = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;
     uvec4 first = Attribute(id, 0), second = Attribute(id, 1), third = Attribute(id, 2);
-    uvec4 colors = Material(first.w, 0), maps = Material(first.w, 1), more = Material(first.w, 2);
+    uvec4 colors = Material(first.w, 0), maps = Material(first.w, 1), details = Material(first.w, 2);
     vec3 weights = BarycentricWeights(hit);
-    vec2 place = InterpolateUv(weights, second, third);
+    vec2 uv = InterpolateUv(weights, second, third);
     float repeats = width * uintBitsToFloat(third.z) * inversesqrt(max(abs(hit.side), LEAST_FACING));
     vec3 normal = normalize(InterpolateCorners(weights, UnpackUnitVector(first.x), UnpackUnitVector(first.y),
                                                UnpackUnitVector(first.z)));
-    float deviation = uintBitsToFloat(more.y);
+    float deviation = uintBitsToFloat(details.y);
     if (deviation > 0.0) {
         uvec4 fourth = Attribute(id, 3);
-        vec3 along = InterpolateCorners(weights, UnpackUnitVector(fourth.x), UnpackUnitVector(fourth.y),
-                                        UnpackUnitVector(fourth.z));
-        vec4 tangent = vec4(along, (first.w >> 31) != 0u ? -1.0 : 1.0);
-        vec3 mapped = SampleImage(maps.zw, more.x >> NORMAL_SHIFT, place, repeats).xyz * 2.0 - 1.0;
+        vec3 tangent_direction = InterpolateCorners(weights, UnpackUnitVector(fourth.x), UnpackUnitVector(fourth.y),
+                                                    UnpackUnitVector(fourth.z));
+        vec4 tangent = vec4(tangent_direction, (first.w >> 31) != 0u ? -1.0 : 1.0);
+        vec3 mapped = SampleImage(maps.zw, details.x >> NORMAL_SHIFT, uv, repeats).xyz * 2.0 - 1.0;
         normal = ShadingNormal(normal, tangent, mapped, deviation);
     }
     normal = hit.side >= 0.0 ? normal : -normal;
-    vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * SampleImage(maps.xy, more.x >> ALBEDO_SHIFT, place, repeats);
+    vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * SampleImage(maps.xy, details.x >> ALBEDO_SHIFT, uv, repeats);
     float emission = uintBitsToFloat(colors.w) * albedo.a;
     vec3 lit = LitColor(albedo.rgb, emission, ray.origin + hit.t * ray.direction, normal);
-    bool is_surface = is_hit && (more.x & MATERIAL_SKY) == 0u;
-    vec3 shown;
-    if (SCREEN_COLORS && is_surface && SampleScreenColor(ray, hit, width, shown))
-        lit = shown;
+    bool is_surface = is_hit && (details.x & MATERIAL_SKY) == 0u;
+    vec3 screen_lit;
+    if (SCREEN_COLORS && is_surface && SampleScreenColor(ray, hit, width, screen_lit))
+        lit = screen_lit;
     return is_surface ? Sound(lit) : SampleSkyWorld(ray.direction);
 }
 

@@ -22,8 +22,8 @@ bool ConfirmHit(Ray ray, ivec2 pixel, out ConfirmedHit confirmed) {
     bool is_known = FindTriangleSlot(TriangleAt(pixel), slot);
     TriangleHit hit = NO_HIT;
     UpdateNearestHit(confirmed.ray, int(slot), hit);
-    bool asks = ASKS && (hit.id & ASKS_MATERIAL) != 0u;
-    bool is_hit = is_known && hit.id != NO_TRIANGLE && (!asks || StopsRay(hit));
+    bool asks_material = ASKS && (hit.id & ASKS_MATERIAL) != 0u;
+    bool is_hit = is_known && hit.id != NO_TRIANGLE && (!asks_material || StopsRay(hit));
     hit.id = is_hit ? hit.id : NO_TRIANGLE;
     confirmed.hit = hit;
     return is_hit || !confirmed.is_outward;

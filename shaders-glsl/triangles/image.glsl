@@ -21,14 +21,14 @@ vec4 LoadImageTexel(int base, ivec2 size, ivec2 texel) {
 // map's first word and its size, as in Material; the first words say where each level begins. `described` has the
 // number of levels in the bits MAP_LEVELS, and says whether the map is sRGB (MAP_SRGB).
 vec4 SampleImage(uvec2 map, uint described, vec2 uv, float repeats) {
-    uvec2 whole = uvec2(map.y & 0xffffu, map.y >> 16);
+    uvec2 full_size = uvec2(map.y & 0xffffu, map.y >> 16);
     float levels = float(described & MAP_LEVELS);
-    float texels = max(repeats * sqrt(float(whole.x * whole.y)), 1.0);
-    int level = int(min(log2(texels) + 0.5, levels - 1.0));
+    float footprint_texels = max(repeats * sqrt(float(full_size.x * full_size.y)), 1.0);
+    int level = int(min(log2(footprint_texels) + 0.5, levels - 1.0));
     int base = int(ImageWord(int(map.x) + level));
-    ivec2 size = max(ivec2(whole >> uint(level)), ivec2(1));
-    vec2 place = (uv - floor(uv)) * vec2(size) - 0.5;
-    vec2 corner = floor(place), part = place - corner;
+    ivec2 size = max(ivec2(full_size >> uint(level)), ivec2(1));
+    vec2 position = (uv - floor(uv)) * vec2(size) - 0.5;
+    vec2 corner = floor(position), part = position - corner;
     // The coordinates lie within one repeat, so that one step by the size brings each neighbour back into the image.
     ivec2 low = ivec2(corner), high = low + 1;
     low += ivec2(lessThan(low, ivec2(0))) * size;

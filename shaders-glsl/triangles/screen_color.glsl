@@ -46,40 +46,40 @@ bool SampleScreenColor(TreeRay ray, TriangleHit hit, float width, out vec3 color
 
     // The footprint stretches along the surface by the slant of the ray, and shrinks on the screen by the slant of the
     // line of sight.
-    float pixel = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : view.z);
+    float pixel_width = 2.0 * unified.pixel_to_view.y * (ORTHOGRAPHIC ? 1.0 : view.z);
     float stretch = max(abs(facing), LEAST_FACING) / max(abs(hit.side), LEAST_FACING);
-    float pixels = max(width / pixel * sqrt(stretch), 1.0);
-    int level = int(min(log2(pixels) + 0.5, float(textureQueryLevels(screen_color) - 1)));
+    float footprint_px = max(width / pixel_width * sqrt(stretch), 1.0);
+    int level = int(min(log2(footprint_px) + 0.5, float(textureQueryLevels(screen_color) - 1)));
     // Some drivers take textureSize of one thread's level for all threads around it.
     ivec2 texels = max(unified.size >> level, ivec2(1));
     vec2 to_texels = vec2(texels) / vec2(unified.size);
     precise vec2 from_middle = position * to_texels - 0.5;
-    vec2 low = floor(from_middle), part = from_middle - low;
+    vec2 first_texel = floor(from_middle), part = from_middle - first_texel;
     // A pixel's point may also lie beside its surface, as in begin.glsl.
-    float beside = triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : sqrt(DotInOrder(view, view)));
-    float off = (SAME_SURFACE * pixel * exp2(float(level)) + beside) / max(abs(facing), LEAST_FACING);
+    float point_error = triangles.beside * (ORTHOGRAPHIC ? captures.view_unit : sqrt(DotInOrder(view, view)));
+    float tolerance = (SAME_SURFACE * pixel_width * exp2(float(level)) + point_error) / max(abs(facing), LEAST_FACING);
     precise vec3 sum = vec3(0.0);
-    precise float counted = 0.0;
+    precise float counted_weight = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 next = ivec2(i & 1, i >> 1);
-        ivec2 texel = clamp(ivec2(low) + next, ivec2(0), texels - 1);
+        ivec2 texel = clamp(ivec2(first_texel) + next, ivec2(0), texels - 1);
         ivec2 middle_pixel = min(ivec2((vec2(texel) + 0.5) / to_texels), unified.size - 1);
         float depth = texelFetch(screen_depth, middle_pixel, 0).r;
         vec2 middle = vec2(middle_pixel) + 0.5;
         // The distance along the pixel's own ray, from the plane of the triangle to the surface that the pixel shows.
         vec3 seen = ViewPoint(middle, depth) * captures.view_unit;
         vec3 along = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : ViewRay(middle);
-        precise vec3 apart = seen - view;
-        float between = DotInOrder(normal, apart) / DotInOrder(normal, along);
-        vec4 shown = texelFetch(screen_color, texel, level);
+        precise vec3 offset = seen - view;
+        float plane_distance = DotInOrder(normal, offset) / DotInOrder(normal, along);
+        vec4 screen_texel = texelFetch(screen_color, texel, level);
         vec2 weight = vec2(next.x == 0 ? 1.0 - part.x : part.x, next.y == 0 ? 1.0 - part.y : part.y);
-        bool counts = depth > 0.0 && abs(between) < off && shown.a > 0.999;
+        bool counts = depth > 0.0 && abs(plane_distance) < tolerance && screen_texel.a > 0.999;
         float share = counts ? weight.x * weight.y : 0.0;
-        sum += counts ? share * shown.rgb : vec3(0.0);
-        counted += share;
+        sum += counts ? share * screen_texel.rgb : vec3(0.0);
+        counted_weight += share;
     }
-    color = sum / max(counted, 1e-6);
-    return counted > 0.0;
+    color = sum / max(counted_weight, 1e-6);
+    return counted_weight > 0.0;
 }
 
 #endif

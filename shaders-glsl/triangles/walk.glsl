@@ -26,18 +26,18 @@ struct TriangleHit {
 // comes after the hit `after`: farther away, or equally far with a greater number.
 struct TreeRay {
     vec3 origin;
-    vec3 direction; // unit
-    uint own;       // the triangle that it begins on, as records number it, which it cannot meet; NO_TRIANGLE for none
-    float off;      // metres by which a triangle's plane must lie off the start for the triangle to be met
+    vec3 direction;     // unit
+    uint own_triangle;  // the triangle that it begins on, as records number it, which it cannot meet; or NO_TRIANGLE
+    float least_offset; // metres by which a triangle's plane must lie off the start for the triangle to be met
     TriangleHit after;
 };
 
 const TriangleHit NO_HIT = TriangleHit(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
 
 // Makes a ray whose start may be off by up to `error` metres, and which begins before all hits.
-TreeRay MakeTreeRay(vec3 origin, vec3 direction, uint own, float error) {
+TreeRay MakeTreeRay(vec3 origin, vec3 direction, uint own_triangle, float error) {
     TriangleHit before_all = TriangleHit(0.0, NO_TRIANGLE, vec2(0.0), 1.0);
-    return TreeRay(origin, direction, own, error + 12.0 * ROUNDING * triangles.extent, before_all);
+    return TreeRay(origin, direction, own_triangle, error + 12.0 * ROUNDING * triangles.extent, before_all);
 }
 
 // The dot product, added up in the order of the CPU twin.
@@ -52,9 +52,9 @@ vec3 CrossInOrder(vec3 a, vec3 b) {
     return cross;
 }
 
-// Whether a hit comes after the hit `than`: farther away, or equally far with a greater number.
-bool IsFarther(float t, uint id, TriangleHit than) {
-    return t > than.t || (t == than.t && id > than.id);
+// Whether a hit comes after the hit `other`: farther away, or equally far with a greater number.
+bool IsFarther(float t, uint id, TriangleHit other) {
+    return t > other.t || (t == other.t && id > other.id);
 }
 
 // Whether a ray meets the triangle of a slot, from either side, and where. The sign of each edge function depends on
@@ -80,18 +80,18 @@ bool IntersectTriangle(TreeRay ray, int slot, out TriangleHit hit) {
     precise float reach = u * DotInOrder(ray.direction, a) + v * DotInOrder(ray.direction, b)
                         + w * DotInOrder(ray.direction, c);
     precise float t = reach * inverse;
-    // `whole` is twice the triangle's area, and `beyond / whole` the distance of the triangle's plane from the start.
-    float whole = uintBitsToFloat(second.w);
-    float beyond = area < 0.0 ? -reach : reach;
+    // `scaled_distance / double_area` is the distance of the triangle's plane from the start.
+    float double_area = uintBitsToFloat(second.w);
+    float scaled_distance = area < 0.0 ? -reach : reach;
     bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0
-               && beyond > ray.off * whole && first.w != ray.own;
-    hit = TriangleHit(t, first.w, weight, area / whole);
+               && scaled_distance > ray.least_offset * double_area && first.w != ray.own_triangle;
+    hit = TriangleHit(t, first.w, weight, area / double_area);
     return inside && (!ASKS || IsFarther(t, first.w, ray.after));
 }
 
-// Whether a hit comes before another one: nearer, or equally near with a smaller number.
-bool IsNearer(TriangleHit hit, float t, uint id) {
-    return hit.t < t || (hit.t == t && hit.id < id);
+// Whether a hit comes before another one, given by its t and id: nearer, or equally near with a smaller number.
+bool IsNearer(TriangleHit hit, float other_t, uint other_id) {
+    return hit.t < other_t || (hit.t == other_t && hit.id < other_id);
 }
 
 // Replaces the best hit so far by the hit on the triangle of a slot, if the ray meets this triangle earlier.
@@ -146,8 +146,9 @@ TriangleHit TraverseTree(TreeRay ray) {
     // Components of the direction that are nearly 0 get a tiny value instead, which changes no test of a box.
     vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
     vec3 inverse = 1.0 / direction;
-    bvec3 back = lessThan(direction, vec3(0.0));
-    uint octant = (back.x ? 0u : 0x04040404u) | (back.y ? 0u : 0x02020202u) | (back.z ? 0u : 0x01010101u);
+    bvec3 is_negative = lessThan(direction, vec3(0.0));
+    uint octant = (is_negative.x ? 0u : 0x04040404u) | (is_negative.y ? 0u : 0x02020202u)
+                | (is_negative.z ? 0u : 0x01010101u);
     // A group of nodes with one parent: the number of the first one, and a word. The word's upper eight bits are the
     // nodes that are still to be visited, and its lower eight bits the children of the parent that are inner nodes.
     uvec2 group = uvec2(0u, triangles.nodes > 0 ? 0x80000000u : 0u);
@@ -169,9 +170,9 @@ TriangleHit TraverseTree(TreeRay ray) {
             vec3 step = scale * inverse, base = (uintBitsToFloat(head.xyz) - ray.origin) * inverse;
             // Each axis has the low sides of children 0 to 3 and 4 to 7, then the high sides. They are swapped so that
             // the sides that the ray meets first come first.
-            x = back.x ? x.zwxy : x;
-            y = back.y ? y.zwxy : y;
-            z = back.z ? z.zwxy : z;
+            x = is_negative.x ? x.zwxy : x;
+            y = is_negative.y ? y.zwxy : y;
+            z = is_negative.z ? z.zwxy : z;
             uint hits = IntersectChildren(kinds.z, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), step, base, octant, nearest)
                       | IntersectChildren(kinds.w, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), step, base, octant, nearest);
             group = uvec2(kinds.x, hits & 0xff000000u | head.w >> 24);

@@ -23,25 +23,25 @@ void main() {
         for (int list = 0; list < LISTS; ++list) {
             counts[DrawArguments(list) + 1] = 1;
             for (int halved = 0; halved < 2; ++halved) {
-                int parts = GroupsPerTile(halved);
-                counts[DispatchArguments(list, halved)] = uint(parts * parts);
+                int groups_per_side = GroupsPerTile(halved);
+                counts[DispatchArguments(list, halved)] = uint(groups_per_side * groups_per_side);
             }
         }
     }
     if (any(greaterThanEqual(tile, tile_count)))
         return;
-    uint found = 0;
-    ivec2 first = tile * TILE_SIDE, last = min(first + TILE_SIDE, unified.size) - 1;
-    for (int y = first.y; y <= last.y; ++y) {
-        for (int x = first.x; x <= last.x; ++x) {
+    uint lists_of_tile = 0;
+    ivec2 first_pixel = tile * TILE_SIDE, last_pixel = min(first_pixel + TILE_SIDE, unified.size) - 1;
+    for (int y = first_pixel.y; y <= last_pixel.y; ++y) {
+        for (int x = first_pixel.x; x <= last_pixel.x; ++x) {
             vec2 material = imageLoad(material_buffer, ivec2(x, y)).xy;
-            found |= Reflects(material) ? 1u << TileListOf(material) : 0u;
+            lists_of_tile |= Reflects(material) ? 1u << TileListOf(material) : 0u;
         }
     }
-    imageStore(listed_image, tile, uvec4(found));
+    imageStore(listed_image, tile, uvec4(lists_of_tile));
     int list_capacity = tile_count.x * tile_count.y;
     for (int list = 0; list < LISTS; ++list) {
-        if ((found >> list & 1u) == 0u)
+        if ((lists_of_tile >> list & 1u) == 0u)
             continue;
         int index = int(atomicAdd(counts[DrawArguments(list)], 1u));
         tiles[list * list_capacity + index] = PackTile(uvec2(tile));

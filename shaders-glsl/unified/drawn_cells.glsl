@@ -10,10 +10,11 @@ layout(binding = 8, r32ui) uniform readonly uimage2D listed_image; // for each t
 
 #define CELLS_TO_A_TILE (TILE_SIDE / 2) // along a side
 
-// The tile of a cell with a wide lobe, which is drawn, and whether three of the tiles beside it are drawn.
+// The tile of a cell with a wide lobe, which is drawn, and whether three of the tiles beside it are drawn: the next
+// along x, the next along y, and the diagonal one.
 struct NeighbourTiles {
     ivec2 home;
-    bool across, along, corner;
+    bool next_x, next_y, diagonal;
 } drawn;
 
 bool IsWideTile(ivec2 tile) {
@@ -21,8 +22,8 @@ bool IsWideTile(ivec2 tile) {
     return (imageLoad(listed_image, clamped_tile).r >> WIDE_LIST & 1u) != 0u;
 }
 
-// Loads whether the three tiles beside a cell's own tile are drawn: the next along x, the next along y, and the
-// diagonal one. `side` is 1 or -1 along each axis. Must be called before IsDrawn.
+// Loads whether the three tiles beside a cell's own tile are drawn. `side` is 1 or -1 along each axis: on which side
+// they lie. Must be called before IsDrawn.
 void LoadNeighbourTiles(ivec2 cell, ivec2 side) {
     if (WHOLE)
         return;
@@ -36,7 +37,7 @@ bool IsDrawn(ivec2 cell) {
     if (WHOLE)
         return true;
     bvec2 beside = notEqual(cell / CELLS_TO_A_TILE, drawn.home);
-    return beside.x ? (beside.y ? drawn.corner : drawn.across) : !beside.y || drawn.along;
+    return beside.x ? (beside.y ? drawn.diagonal : drawn.next_x) : !beside.y || drawn.next_y;
 }
 
 #endif

@@ -7,12 +7,12 @@
 
 // The ray of the block's other pixel along an axis. `outward` is the asking pixel's direction out of the block along
 // this axis.
-NeighbourRay RayFromNeighbourX(NeighbourRay r, int outward) {
-    return NeighbourRay(r.key - float(outward) * dFdxFine(r.key), r.color - float(outward) * dFdxFine(r.color));
+NeighbourRay RayFromNeighbourX(NeighbourRay ray, int outward) {
+    return NeighbourRay(ray.key - float(outward) * dFdxFine(ray.key), ray.color - float(outward) * dFdxFine(ray.color));
 }
 
-NeighbourRay RayFromNeighbourY(NeighbourRay r, int outward) {
-    return NeighbourRay(r.key - float(outward) * dFdyFine(r.key), r.color - float(outward) * dFdyFine(r.color));
+NeighbourRay RayFromNeighbourY(NeighbourRay ray, int outward) {
+    return NeighbourRay(ray.key - float(outward) * dFdyFine(ray.key), ray.color - float(outward) * dFdyFine(ray.color));
 }
 
 #endif

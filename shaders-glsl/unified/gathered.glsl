@@ -1,4 +1,4 @@
-// A ray as pixels and cells gather it, and the reflection that a weighted mean of rays makes.
+// Gathered rays, and the reflection that a weighted mean of rays makes.
 
 #ifndef UNIFIED_GATHERED_GLSL
 #define UNIFIED_GATHERED_GLSL
@@ -15,13 +15,13 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 // that all four pixels would load is loaded once. The result is exact but for the last bits of the greater of the two
 // values. The threads of a compute program share memory instead, and round the values in the same way.
 
-// A ray as it is gathered. All is 0 for no ray.
+// A ray as pixels and cells gather it. All is 0 for no ray.
 struct NeighbourRay {
     vec4 key;   // what its weight depends on; w is 0 for no ray, and negative for a miss
     vec4 color; // of the hit, and its fade in alpha
 };
 
-// The sums of which a pixel's or a cell's reflection is made: a weighted mean of rays.
+// The sums from which the reflection of a pixel or a cell is made, as a weighted mean of rays.
 struct RaySum {
     vec4 color;    // weighted colours of the rays that hit, and fades in alpha
     float weight;  // weights of all rays
@@ -31,11 +31,11 @@ struct RaySum {
 
 const RaySum NO_RAYS = RaySum(vec4(0.0), 0.0, 0.0, 0.0);
 
-void AddRay(inout RaySum sum, float weight, bool hit, vec4 color) {
-    float hits = hit ? weight : 0.0;
+void AddRay(inout RaySum sum, float weight, bool is_hit, vec4 color) {
+    float hit_weight = is_hit ? weight : 0.0;
     sum.weight += weight;
-    sum.color += hits * color;
-    sum.hits += hits;
+    sum.color += hit_weight * color;
+    sum.hits += hit_weight;
     sum.squares += weight * weight;
 }
 

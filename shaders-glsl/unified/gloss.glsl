@@ -42,13 +42,14 @@ struct LobeSample {
     vec4 color;    // of the hit, and its fade in alpha; a miss is 0
 };
 
-// The level of the colour chain for a ray from `point` to `there`, which was drawn with a density (LogDensity) and
+// The level of the colour chain for a ray from `point` to `end`, which was drawn with a density (LogDensity) and
 // stands for a share of the lobe. The ray's footprint is the solid angle share 2 pi / density, taken for a cone of
 // angle theta, pi theta^2. A texel of the level is as wide as the cone at the hit.
-float FootprintLevel(vec3 point, vec3 there, float density, float share) {
-    vec3 away = there - point;
-    float pixel = ORTHOGRAPHIC ? unified.pixel_to_view.y : there.z * unified.pixel_to_view.y;
-    return max(0.5 * (log2(2.0 * share * dot(away, away) / (pixel * pixel)) - (density - LOG_DENSITY_BIAS)), 0.0);
+float FootprintLevel(vec3 point, vec3 end, float density, float share) {
+    vec3 to_end = end - point;
+    float half_pixel = ORTHOGRAPHIC ? unified.pixel_to_view.y : end.z * unified.pixel_to_view.y;
+    return max(0.5 * (log2(2.0 * share * dot(to_end, to_end) / (half_pixel * half_pixel))
+                      - (density - LOG_DENSITY_BIAS)), 0.0);
 }
 
 // The overlap (0 to 1) of two lobes of one power, around the mirror directions of two unit normals whose difference is
@@ -62,10 +63,10 @@ float LobeOverlap(vec3 chord, float power) {
 // that each square of that side has all of them. The point is point i of the rank-1 lattice with the generator (1, g),
 // at `place` (0 to 1) in its stratum. Each frame of a history deals the points out in another way, and moves them in
 // their strata.
-vec2 LatticePoint(ivec2 texel, int side, int g, vec2 place) {
-    int n = side * side;
-    int i = (texel.x + side * texel.y + unified.turn % n) % n;
-    return (vec2(i, (i * g) % n) + fract(place + SequencePoint(unified.turn))) / float(n);
+vec2 LatticePoint(ivec2 texel, int side, int generator, vec2 place) {
+    int count = side * side;
+    int index = (texel.x + side * texel.y + unified.turn % count) % count;
+    return (vec2(index, (index * generator) % count) + fract(place + SequencePoint(unified.turn))) / float(count);
 }
 
 #ifdef NARROW
@@ -114,22 +115,22 @@ struct WideCell {
 
 // Finds the pixel of a cell on which its ray begins, and whether other pixels of the cell have no wide lobe.
 WideCell FindWideCell(ivec2 cell) {
-    WideCell wide = WideCell(CellPixel(cell), 0.0, false);
-    ivec2 turned = wide.pixel & 1;
+    WideCell wide_cell = WideCell(CellPixel(cell), 0.0, false);
+    ivec2 first_bits = wide_cell.pixel & 1;
     // All four pixels of a cell are always loaded. Mesa 25 leaves out a load whose result no pixel inside the image
     // needs, even if pixels beyond the border need it, whose normals count in BlockDifferences.
     for (int i = 0; i < 4; ++i) {
-        ivec2 p = min(2 * cell + (ivec2(i & 1, i >> 1) ^ turned), unified.size - 1);
-        vec2 material = imageLoad(material_buffer, p).rg;
-        float depth = DepthAt(p);
+        ivec2 pixel = min(2 * cell + (ivec2(i & 1, i >> 1) ^ first_bits), unified.size - 1);
+        vec2 material = imageLoad(material_buffer, pixel).rg;
+        float depth = DepthAt(pixel);
         bool is_wide = Reflects(material) && TileListOf(material) == WIDE_LIST && depth > 0.0;
-        wide.is_mixed = wide.is_mixed || !is_wide;
-        if (is_wide && !(wide.roughness > 0.0)) {
-            wide.pixel = p;
-            wide.roughness = material.g;
+        wide_cell.is_mixed = wide_cell.is_mixed || !is_wide;
+        if (is_wide && !(wide_cell.roughness > 0.0)) {
+            wide_cell.pixel = pixel;
+            wide_cell.roughness = material.g;
         }
     }
-    return wide;
+    return wide_cell;
 }
 
 #endif

@@ -49,20 +49,20 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
-    bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
+    bool is_traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     result.reflection = vec4(0.0);
     result.hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
-    if (!WHOLE && (!traced || TileListOf(material) != MIRROR_LIST))
+    if (!WHOLE && (!is_traced || TileListOf(material) != MIRROR_LIST))
         return false;
-    if (!traced) {
+    if (!is_traced) {
         result.color = LitColorAt(pixel);
         return true;
     }
-    bool faces;
-    Ray ray = MirrorRay(pixel, depth, normal, faces);
+    bool is_front;
+    Ray ray = MirrorRay(pixel, depth, normal, is_front);
     float spread = PixelSpread();
 #ifdef AMONG_TRIANGLES
-    if (faces) {
+    if (is_front) {
         TriangleRayResult triangle_result = TraceTrianglesFromPixel(ray, spread);
         result.reflection = vec4(triangle_result.color, 1.0);
         result.hit = vec4(triangle_result.place, float(triangle_result.code));
@@ -72,8 +72,8 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     result.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), result.color.a) : result.reflection;
 #else
     Hit hit = Traverse(ray);
-    bool is_hit = hit.code == PATH_HI_Z && faces;
-    bool in_sky = faces && EndsInSky(ray, hit);
+    bool is_hit = hit.code == PATH_HI_Z && is_front;
+    bool ends_in_sky = is_front && EndsInSky(ray, hit);
 #ifdef CONFIRMED
     TriangleRayResult triangle_result = TriangleRayResult(vec3(0.0), vec3(0.0), PATH_NONE, NO_TRIANGLE);
     ConfirmedHit confirmed;
@@ -81,23 +81,23 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
     if (shows) {
         triangle_result = ShadeConfirmedHit(confirmed, spread);
         result.reflection = vec4(triangle_result.color, 1.0);
-    } else if (faces) {
+    } else if (is_front) {
         PushPixelRay(uvec2(pixel), ray, spread);
     }
 #else
     // A lost ray is put on the list before the screen's colours are loaded, while registers hold nothing else.
-    if (faces && !is_hit && !in_sky) {
+    if (is_front && !is_hit && !ends_in_sky) {
         // A mirror's ray has the footprint of its pixel, which widens from the eye on.
-        float before = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
-        PushIfLost(uvec2(pixel), ray, hit, before, spread);
+        float widened_m = ORTHOGRAPHIC ? FAR_EYE : length(ViewPoint(ray.start, depth)) * captures.view_unit;
+        PushIfLost(uvec2(pixel), ray, hit, widened_m, spread);
     }
-    bool is_far = LeavesThroughFarPlane(ray, hit);
-    vec3 along = SampleSkyView(ray.direction);
-    ScreenHitColor screen_hit = SampleScreenHit(hit, ViewPoint(ray.start, depth), normal, ray.direction, along);
-    bool shows = is_hit || in_sky || (faces && is_far && screen_hit.is_sky);
+    bool leaves_far = LeavesThroughFarPlane(ray, hit);
+    vec3 sky_color = SampleSkyView(ray.direction);
+    ScreenHitColor screen_hit = SampleScreenHit(hit, ViewPoint(ray.start, depth), normal, ray.direction, sky_color);
+    bool shows = is_hit || ends_in_sky || (is_front && leaves_far && screen_hit.is_sky);
     if (shows) {
         float fade = Fade(hit.position * unified.pixel_to_clip);
-        result.reflection = in_sky ? vec4(along, 1.0) : vec4(screen_hit.color, fade);
+        result.reflection = ends_in_sky ? vec4(sky_color, 1.0) : vec4(screen_hit.color, fade);
     }
 #endif
     result.color = LitColorAt(pixel);
@@ -109,7 +109,7 @@ bool ShadePixel(ivec2 pixel, out PixelOutput result) {
         precise vec2 uv = hit.position * unified.pixel_to_clip;
         precise float hit_depth = 1.0 - hit.depth;
         vec3 place = hit.code == PATH_HI_Z ? vec3(uv, hit_depth) : vec3(-1.0);
-        int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? MissCode(ray) : hit.code;
+        int code = ends_in_sky ? PATH_SKY : hit.code == PATH_MISS ? MissCode(ray) : hit.code;
         result.hit = vec4(place, float(code));
 #ifdef CONFIRMED
         // A confirmed hit is more exact than the hit on the screen.

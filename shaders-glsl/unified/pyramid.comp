@@ -27,6 +27,7 @@ layout(binding = 2, rg32f) uniform writeonly image2D pyramid;
 // rows, so that one barrier a level is enough.
 shared vec2 cells[16][8];
 
+// The first row of `cells` that holds cells of a level: 0, 8, 12 and 14 for the levels 3 to 6.
 int CellRow(int level) {
     return 16 - (128 >> level);
 }
@@ -52,10 +53,10 @@ float DepthBehind(float depth, vec2 neighbour) {
 // The span of a surface in depth across its pixel along an axis, from the neighbours on both sides. A surface that
 // stands far before both neighbours is thinner than two pixels, and the neighbours say nothing of its span.
 float DepthSpan(float depth, vec2 before, vec2 after) {
-    precise float thin = THIN * mix(1.0, unified.reach * unified.depth_offset, ORTHOGRAPHIC);
-    float a = DepthBehind(depth, before), b = DepthBehind(depth, after);
-    float span = min(abs(a), abs(b));
-    return mix(0.0, span, all(bvec2(span < NOTHING, min(a, b) <= thin)));
+    precise float thin_limit = THIN * mix(1.0, unified.reach * unified.depth_offset, ORTHOGRAPHIC);
+    float behind_before = DepthBehind(depth, before), behind_after = DepthBehind(depth, after);
+    float span = min(abs(behind_before), abs(behind_after));
+    return mix(0.0, span, all(bvec2(span < NOTHING, min(behind_before, behind_after) <= thin_limit)));
 }
 
 // Front and back of a pixel of a depth. The neighbours are pairs of a depth and its Reciprocal.
@@ -89,21 +90,21 @@ struct Rows {
     vec4 lower_depth, lower_reciprocal;
 };
 
-// The depths of 2 x 2 pixels, the first of which is p, in the order of textureGather; sky beyond the image.
-vec4 FetchDepths(ivec2 p) {
+// The depths of 2 x 2 pixels from `first` on, in the order of textureGather; sky beyond the image.
+vec4 FetchDepths(ivec2 first) {
     // The coordinates are those of the corner where the four texels meet, so that no rounding can reach another texel.
-    vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
-    bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
-    return mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
+    vec4 depths = textureGather(depth_buffer, vec2(first + 1) / vec2(unified.size));
+    bvec2 low = lessThan(uvec2(first), uvec2(unified.size)), high = lessThan(uvec2(first + 1), uvec2(unified.size));
+    return mix(vec4(0.0), depths, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
 }
 
 vec4 Reciprocals(vec4 depths) {
     return vec4(Reciprocal(depths.x), Reciprocal(depths.y), Reciprocal(depths.z), Reciprocal(depths.w));
 }
 
-// Fetches two rows of four pixels, the first of which is p.
-Rows FetchRows(ivec2 p) {
-    vec4 left = FetchDepths(p), right = FetchDepths(p + ivec2(2, 0));
+// Fetches two rows of four pixels, from `first` on.
+Rows FetchRows(ivec2 first) {
+    vec4 left = FetchDepths(first), right = FetchDepths(first + ivec2(2, 0));
     vec4 upper = vec4(left.wz, right.wz), lower = vec4(left.xy, right.xy);
     return Rows(upper, Reciprocals(upper), lower, Reciprocals(lower));
 }
@@ -138,18 +139,18 @@ vec2 BuildQuad(ivec2 pixel, Rows above, Rows below) {
     return cell;
 }
 
-// Makes a strip of 2 x 8 pixels, the first of which is p. Returns the block of its upper half (xy) and that of its
+// Makes a strip of 2 x 8 pixels from `first` on. Returns the block of its upper half (xy) and that of its
 // lower half (zw). The strip is as narrow as possible, and a loop goes down along it, so that a thread holds few pixels
 // at a time.
-vec4 BuildStrip(ivec2 p) {
+vec4 BuildStrip(ivec2 first) {
     vec2 upper_half = EMPTY_BLOCK, cell = EMPTY_BLOCK;
-    Rows above = FetchRows(p - 1);
+    Rows above = FetchRows(first - 1);
     int row = 0;
     [[dont_unroll]] do {
-        Rows below = FetchRows(p + ivec2(-1, row + 1));
-        vec2 own = BuildQuad(p + ivec2(0, row), above, below);
+        Rows below = FetchRows(first + ivec2(-1, row + 1));
+        vec2 quad_cell = BuildQuad(first + ivec2(0, row), above, below);
         upper_half = mix(upper_half, cell, bvec2(row == 4));
-        cell = mix(Union(cell, own), own, bvec2(row == 4));
+        cell = mix(Union(cell, quad_cell), quad_cell, bvec2(row == 4));
         above = below;
         row += 2;
     } while (row < 8);
@@ -159,18 +160,18 @@ vec4 BuildStrip(ivec2 p) {
 void main() {
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     ivec2 tile = ivec2(gl_WorkGroupID.xy);
-    ivec2 p = 64 * tile + 8 * local;
+    ivec2 first_pixel = 64 * tile + 8 * local;
     vec2 cell = EMPTY_BLOCK;
     int x = 0;
     [[dont_unroll]] do {
-        vec4 left = BuildStrip(p + ivec2(x, 0)), right = BuildStrip(p + ivec2(x + 2, 0));
+        vec4 left = BuildStrip(first_pixel + ivec2(x, 0)), right = BuildStrip(first_pixel + ivec2(x + 2, 0));
         vec2 upper = Union(left.xy, right.xy), lower = Union(left.zw, right.zw);
-        StoreCell((p + ivec2(x, 0)) >> 2, 2, upper);
-        StoreCell((p + ivec2(x, 4)) >> 2, 2, lower);
+        StoreCell((first_pixel + ivec2(x, 0)) >> 2, 2, upper);
+        StoreCell((first_pixel + ivec2(x, 4)) >> 2, 2, lower);
         cell = Union(cell, Union(upper, lower));
         x += 4;
     } while (x < 8);
-    StoreCell(p >> 3, 3, cell);
+    StoreCell(first_pixel >> 3, 3, cell);
     cells[local.y][local.x] = cell;
     for (int level = 4; level <= unified.top_level; ++level) {
         int side = 64 >> level;

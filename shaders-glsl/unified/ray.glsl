@@ -64,16 +64,18 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     return ray;
 }
 
-// The view-space direction in which a pixel's centre is seen, with z = 1, and its ndc from the axis of the view.
+// Finds the view-space direction in which a pixel's centre is seen, with z = 1, and its ndc relative to the view's
+// axis.
 void PixelPoint(ivec2 pixel, out vec3 view, out vec2 ndc) {
     precise vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1) - unified.shift;
-    precise vec2 v = centre * unified.pixel_to_view;
-    precise vec2 c = centre * unified.pixel_to_clip;
-    view = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : vec3(v, 1.0);
-    ndc = c;
+    precise vec2 offset = centre * unified.pixel_to_view;
+    precise vec2 ndc_offset = centre * unified.pixel_to_clip;
+    view = ORTHOGRAPHIC ? vec3(0.0, 0.0, 1.0) : vec3(offset, 1.0);
+    ndc = ndc_offset;
 }
 
-// The change of ndc along a view-space vector, from a point that is seen at `ndc`.
+// The change of ndc along a view-space vector, from a point that is seen at `ndc`. In a perspective, this change and
+// that of DepthChange are multiplied by the point's z, which keeps their ratio.
 vec2 NdcChange(vec2 ndc, vec3 along) {
     if (ORTHOGRAPHIC) {
         precise vec2 parallel = unified.view_to_clip * along.xy;
@@ -83,7 +85,8 @@ vec2 NdcChange(vec2 ndc, vec3 along) {
     return change;
 }
 
-// The change of reversed depth along a view-space vector with the component `z`, from a pixel of that depth.
+// The change of reversed depth along a view-space vector with the component `z`, from a point of that depth. In a
+// perspective, it is multiplied by the point's z, as in NdcChange.
 float DepthChange(float depth, float z) {
     if (ORTHOGRAPHIC) {
         precise float linear = -(unified.depth_offset * z);
@@ -102,23 +105,23 @@ Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, change);
 }
 
-// The ray of a pixel along its mirror direction v + a n, with a = -2 (v.n) / (n.n). Here v is the direction in which
-// the pixel is seen, and n the normal, of any length. v itself projects to a point and drops out of the derivative.
-// What remains has no difference of nearly equal numbers, however flat the ray meets the surface. `faces` becomes false
-// if the pixel is seen from behind its normal, so that the ray goes below the surface.
-Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
+// The ray of a pixel along its mirror direction v + factor n, with factor = -2 (v.n) / (n.n). Here v is the direction
+// in which the pixel is seen, and n the normal, of any length. v itself projects to a point and drops out of the
+// derivative. What remains has no difference of nearly equal numbers, however flat the ray meets the surface.
+// `is_front` becomes false if the pixel is seen from behind its normal, so that the ray goes below the surface.
+Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool is_front) {
     vec3 view;
     vec2 ndc;
     PixelPoint(pixel, view, ndc);
-    precise float along = view.x * normal.x + view.y * normal.y + normal.z;
+    precise float along_normal = view.x * normal.x + view.y * normal.y + normal.z;
     precise float squared = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
-    precise float a = -2.0 * along * (1.0 / squared);
-    precise vec2 change = NdcChange(ndc, normal) * a;
-    precise float along_z = 1.0 + a * normal.z;
-    precise vec3 direction = view + a * normal;
-    faces = along < 0.0;
-    vec3 in_image = vec3(change, DepthChange(depth, along_z));
-    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, in_image);
+    precise float factor = -2.0 * along_normal * (1.0 / squared);
+    precise vec2 change = NdcChange(ndc, normal) * factor;
+    precise float direction_z = 1.0 + factor * normal.z;
+    precise vec3 direction = view + factor * normal;
+    is_front = along_normal < 0.0;
+    vec3 image_change = vec3(change, DepthChange(depth, direction_z));
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, image_change);
 }
 
 #endif

@@ -57,12 +57,12 @@ struct CellSum {
 void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray, float closeness) {
     bool ended_near = ray.key.w > 0.75 * NEAR_MARK;
     float density = ray.key.w - (ended_near ? NEAR_MARK : 0.0);
-    vec3 to = density > 0.0 ? ray.key.xyz - centre.point : ray.key.xyz;
+    vec3 to_end = density > 0.0 ? ray.key.xyz - centre.point : ray.key.xyz;
     // For wide lobes the cosine gives the angle precisely enough.
-    float log_cos = LogCos(1.0 - dot(to, centre.lobe.mirror) * inversesqrt(dot(to, to)));
+    float log_cos = LogCos(1.0 - dot(to_end, centre.lobe.mirror) * inversesqrt(dot(to_end, to_end)));
     float weight = 2.0 / (1.0 + exp2(abs(density) - centre.peak - LOG2_E * (centre.lobe.power - 1.0) * log_cos));
     weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
-    bool hit = density > 0.0 && dot(to, centre.lobe.normal) > 0.0;
+    bool hit = density > 0.0 && dot(to_end, centre.lobe.normal) > 0.0;
     // A colour that was handed on may be a last bit below 0.
     vec4 color = max(ray.color, 0.0);
     AddRay(sum.rays, weight, hit, color);
@@ -70,7 +70,7 @@ void GatherRay(inout CellSum sum, GatherPoint centre, NeighbourRay ray, float cl
         sum.closest += closeness * vec4((hit ? weight : 0.0) * color.rgb, weight);
     // Only own rays ask about more than the closest cells.
     if ((OWN_RAYS > 0 || closeness > 0.0) && density > 0.0)
-        sum.nearest = min(sum.nearest, ended_near ? 0.0 : dot(to, to));
+        sum.nearest = min(sum.nearest, ended_near ? 0.0 : dot(to_end, to_end));
 }
 
 // Gathers the rays of the 5 x 5 cells around a cell. For 3 x 3 of these cells, both distances from the cell itself are
@@ -88,8 +88,8 @@ float PixelWidth(vec3 point) {
 // Whether a ray ended so near that the pixels around a point see different things. A thing that stands so near hides
 // different things from each pixel, which no weight of a neighbour's ray takes into account.
 bool IsContact(vec3 point, float squared_distance) {
-    float pixel = PixelWidth(point);
-    return squared_distance < CONTACT * CONTACT * pixel * pixel;
+    float pixel_width = PixelWidth(point);
+    return squared_distance < CONTACT * CONTACT * pixel_width * pixel_width;
 }
 
 // The additional weight of the closest cells (CONTACT_WEIGHT), for the squared distance to the nearest hit. It falls
@@ -97,35 +97,36 @@ bool IsContact(vec3 point, float squared_distance) {
 // lobe needs more rays.
 float ContactWeight(vec3 point, float roughness, float squared_distance) {
     float pixels = sqrt(squared_distance) / PixelWidth(point);
-    float near = clamp((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT), 0.0, 1.0);
-    return CONTACT_WEIGHT * (1.0 - roughness) * (1.0 - roughness) * near;
+    float nearness = clamp((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT), 0.0, 1.0);
+    return CONTACT_WEIGHT * (1.0 - roughness) * (1.0 - roughness) * nearness;
 }
 
-// The sum that a cell gathered, in whose colour the closest cells count once more, by a weight. The fade stays that of
-// all 25 cells, since it hardly differs between them.
+// The rays that a cell gathered. In their colour, the 3 x 3 closest cells count once more, `weight` times as much as by
+// their own weights. The fade stays that of all 25 cells, since it hardly differs between them.
 RaySum WeightedSum(CellSum sum, float weight) {
-    vec4 both = vec4(sum.rays.color.rgb, sum.rays.weight) + weight * sum.closest;
-    sum.rays.color.rgb = both.rgb * (sum.rays.weight / max(both.a, 1e-30));
+    vec4 weighted = vec4(sum.rays.color.rgb, sum.rays.weight) + weight * sum.closest;
+    sum.rays.color.rgb = weighted.rgb * (sum.rays.weight / max(weighted.a, 1e-30));
     return sum.rays;
 }
 
 // Makes the reflection of a cell, and the surface that it belongs to.
 ResolvedCell ResolveCell(ivec2 cell) {
-    WideCell wide = FindWideCell(cell);
-    ivec2 pixel = wide.pixel;
+    WideCell wide_cell = FindWideCell(cell);
+    ivec2 pixel = wide_cell.pixel;
     float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-    Lobe lobe = MakeLobe(point, normal, wide.roughness);
+    Lobe lobe = MakeLobe(point, normal, wide_cell.roughness);
     GatherPoint centre = GatherPoint(point, lobe, LogDensity(lobe.power, 0.0));
     ivec2 outward = DirectionOutOfBlock(cell);
     CellSum sum = CellSum(NO_RAYS, vec4(0.0), FAR_SKY * FAR_SKY);
     GatherNeighbours(sum, centre, cell, outward);
-    bool shows = wide.roughness > 0.0;
-    float z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
-    z = OWN_RAYS > 0 && (wide.is_mixed || IsContact(point, sum.nearest)) ? -z : z;
-    RaySum rays = WeightedSum(sum, ContactWeight(point, wide.roughness, sum.nearest));
-    return ResolvedCell(shows ? ReflectionFromSum(rays) : vec4(0.0), shows ? vec4(normal, z) : vec4(0.0));
+    bool has_wide_lobe = wide_cell.roughness > 0.0;
+    float marked_z = ORTHOGRAPHIC ? 1.0 : min(point.z, GREATEST_HALF);
+    marked_z = OWN_RAYS > 0 && (wide_cell.is_mixed || IsContact(point, sum.nearest)) ? -marked_z : marked_z;
+    RaySum rays = WeightedSum(sum, ContactWeight(point, wide_cell.roughness, sum.nearest));
+    return ResolvedCell(has_wide_lobe ? ReflectionFromSum(rays) : vec4(0.0),
+                        has_wide_lobe ? vec4(normal, marked_z) : vec4(0.0));
 }
 
 #endif

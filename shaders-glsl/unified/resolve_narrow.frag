@@ -16,21 +16,21 @@ NeighbourRay LoadPixelRay(ivec2 pixel) {
     return UnpackNeighbourRay(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
 }
 
-void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel) {
+void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own_ray, ivec2 pixel) {
     ivec2 outward = DirectionOutOfBlock(pixel);
     // All loads stand first, since lavapipe takes longer if they stand between what is gathered.
     NeighbourRay beside = LoadNeighbourRay(pixel + ivec2(outward.x, 0));
     NeighbourRay under = LoadNeighbourRay(pixel + ivec2(0, outward.y));
     NeighbourRay corner = LoadNeighbourRay(pixel + outward);
-    NeighbourRay across = RayFromNeighbourX(own, outward.x);
-    GatherRay(statistics, own, across);
-    GatherRay(statistics, own, RayFromNeighbourY(own, outward.y));
-    GatherRay(statistics, own, RayFromNeighbourY(across, outward.y));
-    GatherRay(statistics, own, beside);
-    GatherRay(statistics, own, RayFromNeighbourY(beside, outward.y));
-    GatherRay(statistics, own, under);
-    GatherRay(statistics, own, RayFromNeighbourX(under, outward.x));
-    GatherRay(statistics, own, corner);
+    NeighbourRay across = RayFromNeighbourX(own_ray, outward.x);
+    GatherRay(statistics, own_ray, across);
+    GatherRay(statistics, own_ray, RayFromNeighbourY(own_ray, outward.y));
+    GatherRay(statistics, own_ray, RayFromNeighbourY(across, outward.y));
+    GatherRay(statistics, own_ray, beside);
+    GatherRay(statistics, own_ray, RayFromNeighbourY(beside, outward.y));
+    GatherRay(statistics, own_ray, under);
+    GatherRay(statistics, own_ray, RayFromNeighbourX(under, outward.x));
+    GatherRay(statistics, own_ray, corner);
 }
 
 void main() {

@@ -17,8 +17,8 @@ layout(binding = 5, rgba32ui) uniform readonly uimage2D seen_image; // written b
 
 // Unpacks the record of a ray. The ray's key is the lobe that it belongs to.
 NeighbourRay UnpackNeighbourRay(uvec4 words) {
-    RayRecord r = UnpackRecord(words);
-    return NeighbourRay(vec4(r.mirror, r.root), r.color);
+    RayRecord record = UnpackRecord(words);
+    return NeighbourRay(vec4(record.mirror, record.root), record.color);
 }
 
 // The ray of a pixel outside the block. The image is undefined where no tile is drawn; a pixel with a narrow lobe is in
@@ -42,10 +42,10 @@ struct RayStatistics {
 };
 
 // Adds a ray to the statistics that IsDoubtful reads.
-void CountRay(inout RayStatistics statistics, NeighbourRay r) {
+void CountRay(inout RayStatistics statistics, NeighbourRay ray) {
     if (OWN_RAYS > 0) {
-        float counts = r.key.w != 0.0 ? 1.0 : 0.0;
-        vec3 color = counts * r.color.rgb;
+        float counts = ray.key.w != 0.0 ? 1.0 : 0.0;
+        vec3 color = counts * ray.color.rgb;
         statistics.total += color;
         statistics.squares += color * color;
         statistics.count += counts;
@@ -53,16 +53,17 @@ void CountRay(inout RayStatistics statistics, NeighbourRay r) {
 }
 
 // Gathers a neighbour's ray, weighted by how alike its lobe and the pixel's own lobe are.
-void GatherRay(inout RayStatistics statistics, NeighbourRay own, NeighbourRay r) {
-    // `same` is the square root of LobeOverlap, for a power between those of the two lobes, from mirror directions
-    // instead of normals, which turn half as far. The root is steadier than the overlap under a moving camera.
-    float power = abs(own.key.w * r.key.w);
-    vec3 chord = own.key.xyz - r.key.xyz;
-    float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
-    float weight = r.key.w != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
+void GatherRay(inout RayStatistics statistics, NeighbourRay own_ray, NeighbourRay ray) {
+    // `root_overlap` is the square root of LobeOverlap, for a power between those of the two lobes, from mirror
+    // directions instead of normals, which turn half as far. The root is steadier than the overlap under a moving
+    // camera.
+    float power = abs(own_ray.key.w * ray.key.w);
+    vec3 chord = own_ray.key.xyz - ray.key.xyz;
+    float root_overlap = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
+    float weight = ray.key.w != 0.0 ? max(root_overlap, LEAST_WEIGHT) : 0.0;
     // A colour that was handed on may be a last bit below 0.
-    AddRay(statistics.sum, weight, r.key.w > 0.0, max(r.color, 0.0));
-    CountRay(statistics, r);
+    AddRay(statistics.sum, weight, ray.key.w > 0.0, max(ray.color, 0.0));
+    CountRay(statistics, ray);
 }
 
 // The ray of a pixel of the block. The file that includes this one defines the function.
@@ -73,31 +74,31 @@ NeighbourRay LoadPixelRay(ivec2 pixel);
 // defines the function.
 void GatherNeighbours(inout RayStatistics statistics, NeighbourRay own, ivec2 pixel);
 
-// Whether the rays around a pixel are too few for how much their colours differ. `stand_for` becomes the number of own
+// Whether the rays around a pixel are too few for how much their colours differ. `ray_worth` becomes the number of own
 // rays that they are worth, given how much their weights differ (the effective size of a weighted sample; Kish 1965).
-bool IsDoubtful(RayStatistics statistics, out float stand_for) {
+bool IsDoubtful(RayStatistics statistics, out float ray_worth) {
     vec3 mean = statistics.total / statistics.count, variance = statistics.squares / statistics.count - mean * mean;
-    stand_for = statistics.sum.weight * statistics.sum.weight / statistics.sum.squares;
-    return dot(variance, vec3(1.0)) > stand_for * DOUBT_ABOVE * DOUBT_ABOVE * dot(mean, mean);
+    ray_worth = statistics.sum.weight * statistics.sum.weight / statistics.sum.squares;
+    return dot(variance, vec3(1.0)) > ray_worth * DOUBT_ABOVE * DOUBT_ABOVE * dot(mean, mean);
 }
 
 // Shades a pixel; false for a pixel that is left as it is.
 bool ShadePixel(ivec2 pixel, out PixelOutput result) {
-    NeighbourRay own = LoadPixelRay(pixel);
+    NeighbourRay own_ray = LoadPixelRay(pixel);
     RayStatistics statistics = RayStatistics(NO_RAYS, vec3(0.0), vec3(0.0), 0.0);
-    AddRay(statistics.sum, 1.0, own.key.w > 0.0, own.color);
-    CountRay(statistics, own);
-    GatherNeighbours(statistics, own, pixel);
-    bool shows = own.key.w != 0.0;
-    if (!WHOLE && !shows)
+    AddRay(statistics.sum, 1.0, own_ray.key.w > 0.0, own_ray.color);
+    CountRay(statistics, own_ray);
+    GatherNeighbours(statistics, own_ray, pixel);
+    bool has_narrow_lobe = own_ray.key.w != 0.0;
+    if (!WHOLE && !has_narrow_lobe)
         return false;
     vec4 reflection = vec4(0.0);
     float reflectivity = 0.0;
-    if (shows) {
+    if (has_narrow_lobe) {
         reflection = SoundReflection(ReflectionFromSum(statistics.sum));
-        float stand_for;
-        if (OWN_RAYS > 0 && IsDoubtful(statistics, stand_for))
-            PushDoubt(Doubt(pixel, reflection, stand_for));
+        float ray_worth;
+        if (OWN_RAYS > 0 && IsDoubtful(statistics, ray_worth))
+            PushDoubt(Doubt(pixel, reflection, ray_worth));
         reflectivity = imageLoad(material_buffer, pixel).r;
     }
     result = CompositePixel(pixel, reflection, reflectivity);

@@ -9,26 +9,26 @@
 // Whether a ray that hit nothing left through the far plane, if no other image is asked (without FOLLOWED). If so,
 // `hit` gets the pixel and the position where it left. If the screen shows sky there, the ray sees this sky.
 bool LeavesThroughFarPlane(Ray ray, inout Hit hit) {
-    precise vec2 place = ray.start + ray.end * ray.rate.xy;
-    place = clamp(place, vec2(0.0), vec2(unified.size));
-    ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
-    precise vec2 sides = (vec2(side) - ray.start) * ray.inverse;
-    bool is_far = !FOLLOWED && hit.code == PATH_MISS && ray.rate.z < 0.0 && ray.end < min(sides.x, sides.y);
-    hit.pixel = is_far ? min(ivec2(place), unified.size - 1) : hit.pixel;
-    hit.position = is_far ? place : hit.position;
-    return is_far;
+    precise vec2 exit_position = ray.start + ray.end * ray.rate.xy;
+    exit_position = clamp(exit_position, vec2(0.0), vec2(unified.size));
+    ivec2 corner = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
+    precise vec2 sides = (vec2(corner) - ray.start) * ray.inverse;
+    bool leaves_far = !FOLLOWED && hit.code == PATH_MISS && ray.rate.z < 0.0 && ray.end < min(sides.x, sides.y);
+    hit.pixel = leaves_far ? min(ivec2(exit_position), unified.size - 1) : hit.pixel;
+    hit.position = leaves_far ? exit_position : hit.position;
+    return leaves_far;
 }
 
 // The surface that reflects, its ray, and the pixel that the ray hit.
 struct VisibilityTest {
-    vec3 point;     // of the surface, in ViewPoint's scale
-    vec3 normal;    // of any length
-    vec3 direction; // of the ray, of any length
-    float above;    // a place lies above the surface if Dot(normal, OffsetToPixel(...)) is greater than this
-    float beside;   // squared: a place lies beside the ray if the length of cross(direction, OffsetToPixel(...)) is greater
-    float own;      // depth of the pixel that was hit; the front of EMPTY_BLOCK for sky
-    float apart;    // a pixel stands before or behind if its depth differs from `own` by more than this
-    bool is_reflector; // the pixel that was hit shows the surface that reflects
+    vec3 point;         // of the surface, in ViewPoint's scale
+    vec3 normal;        // of any length
+    vec3 direction;     // of the ray, of any length
+    float least_height; // a place lies above the surface if Dot(normal, OffsetToPixel(...)) is greater
+    float squared_gap;  // a place lies beside the ray if cross(direction, OffsetToPixel(...)) squared is greater
+    float hit_depth;    // of the pixel that was hit; the front of EMPTY_BLOCK for sky
+    float depth_gap;    // a pixel stands before or behind the hit if its depth differs from `hit_depth` by more
+    bool is_reflector;  // the pixel that was hit shows the surface that reflects
 };
 
 // The vector from the surface's point to the point that a pixel shows at a position and a depth. In a perspective it is
@@ -53,14 +53,16 @@ bool ShowsReflector(vec3 point, vec3 normal, ivec2 pixel, float depth) {
     return depth >= 0.0 && !(Dot(normal, OffsetToPixel(point, vec2(pixel) + 0.5, depth)) > ReflectorHeight(normal));
 }
 
-// Makes the test for a surface's point and normal, a ray's direction, and the pixel that the ray hit, of depth `own`.
-VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float own) {
+// Makes the test for a surface's point and normal, a ray's direction, and the pixel that the ray hit, with its depth.
+VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2 pixel, float hit_depth) {
     precise float width = 2.0 * unified.pixel_to_view.y;
-    precise float beside = STANDS_BESIDE * width;
-    precise float beside_squared = beside * beside * Dot(direction, direction);
-    precise float apart = STANDS_BEFORE * width * (ORTHOGRAPHIC ? unified.depth_offset : own + unified.depth_offset);
-    bool is_reflector = ShowsReflector(point, normal, pixel, own);
-    return VisibilityTest(point, normal, direction, ReflectorHeight(normal), beside_squared, own, apart, is_reflector);
+    precise float gap = STANDS_BESIDE * width;
+    precise float squared_gap = gap * gap * Dot(direction, direction);
+    precise float depth_gap = STANDS_BEFORE * width
+                            * (ORTHOGRAPHIC ? unified.depth_offset : hit_depth + unified.depth_offset);
+    bool is_reflector = ShowsReflector(point, normal, pixel, hit_depth);
+    return VisibilityTest(point, normal, direction, ReflectorHeight(normal), squared_gap, hit_depth, depth_gap,
+                          is_reflector);
 }
 
 // Whether a ray can have seen what a pixel of a depth shows at its centre `middle`. A surface that stands before the
@@ -70,12 +72,12 @@ VisibilityTest MakeVisibilityTest(vec3 point, vec3 normal, vec3 direction, ivec2
 // Sky lies behind everything.
 bool IsVisibleAlongRay(VisibilityTest test, vec2 middle, float depth) {
     vec3 away = OffsetToPixel(test.point, middle, depth);
-    precise vec3 off = away.yzx * test.direction.zxy - away.zxy * test.direction.yzx;
-    precise float nearest = test.own + test.apart, farthest = test.own - test.apart;
-    bool is_above = Dot(test.normal, away) > test.above;
-    bool is_beside = Dot(off, off) > test.beside;
-    bool is_seen = test.own >= 0.0 && is_above && !(depth > nearest && is_beside);
-    return (depth < 0.0 || is_seen) && !(test.is_reflector && depth < farthest);
+    precise vec3 scaled_offset = away.yzx * test.direction.zxy - away.zxy * test.direction.yzx;
+    precise float nearest_depth = test.hit_depth + test.depth_gap, farthest_depth = test.hit_depth - test.depth_gap;
+    bool is_above = Dot(test.normal, away) > test.least_height;
+    bool is_beside = Dot(scaled_offset, scaled_offset) > test.squared_gap;
+    bool is_seen = test.hit_depth >= 0.0 && is_above && !(depth > nearest_depth && is_beside);
+    return (depth < 0.0 || is_seen) && !(test.is_reflector && depth < farthest_depth);
 }
 
 #endif

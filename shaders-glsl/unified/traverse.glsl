@@ -68,16 +68,17 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 // between the ray and the reversed normal. Sky has a negative thickness, so that its border with a surface always
 // counts as an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, vec3 normal, ivec2 ahead) {
-    vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
+    vec2 block_before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
     precise float thickness = block.x - block.y;
-    precise float joined = JOINED * (thickness + (before.x - before.y));
-    precise float gap = block.x - before.x;
-    float along = Dot(ray.direction, normal);
-    precise float below = block.x - entry_depth;
-    precise float depth_squared = (below * below) * (Dot(normal, normal) * Dot(ray.direction, ray.direction));
-    precise float limit_squared = (along * along) * (thickness * thickness);
-    bool is_deep = along >= 0.0 || depth_squared > limit_squared;
-    return entry_depth < before.x || (gap > joined && is_deep);
+    precise float joined_gap = JOINED * (thickness + (block_before.x - block_before.y));
+    precise float gap = block.x - block_before.x;
+    float along_normal = Dot(ray.direction, normal);
+    precise float depth_in_block = block.x - entry_depth;
+    precise float depth_squared = (depth_in_block * depth_in_block)
+                                * (Dot(normal, normal) * Dot(ray.direction, ray.direction));
+    precise float limit_squared = (along_normal * along_normal) * (thickness * thickness);
+    bool is_deep = along_normal >= 0.0 || depth_squared > limit_squared;
+    return entry_depth < block_before.x || (gap > joined_gap && is_deep);
 }
 
 // The state of a walk.
@@ -96,17 +97,17 @@ struct Walk {
 // The loop holds nothing but the walk, and no branch but its end, since threads that walk together wait for each other
 // in every branch that one of them takes. Parameters are read before the loop, and the block that was met after it,
 // since the loop would repeat each read.
-void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
-    Walk walk = w;
+void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk state) {
+    Walk walk = state;
     bool recedes = ray.rate.z < 0.0;
     int strips = PyramidStrips();
     int top_level = unified.top_level;
-    int bound = MaxSteps();
+    int max_steps = MaxSteps();
     vec2 start = ray.start;
     int border = unified.size.x - 1; // of a face, which is square
     ivec2 far_side = -ahead;     // all bits set where the ray leaves a cell by its far side
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
-    while (walk.level >= 0 && walk.entry < ray.end && walk.steps < bound) {
+    while (walk.level >= 0 && walk.entry < ray.end && walk.steps < max_steps) {
         ++walk.steps;
         ivec2 cell = walk.pixel >> walk.level;
         vec2 block = BLOCK_AT(StripTexel(cell, strips - (strips >> walk.level)));
@@ -117,30 +118,31 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         bool leaves_x = crossings.x <= crossings.y;
         bool leaves_y = crossings.y <= crossings.x;
         float exit = min(crossings.x, crossings.y);
-        float last = min(exit, ray.end);
-        precise float exit_depth = ray.depth + last * ray.rate.z;
+        float last_s = min(exit, ray.end);
+        precise float exit_depth = ray.depth + last_s * ray.rate.z;
         float deepest = recedes ? exit_depth : walk.entry_depth;
         float nearest = recedes ? walk.entry_depth : exit_depth;
         bool meets = deepest <= block.x && (FOLLOWED ? !passes : nearest >= block.y);
         passes = false;
 
-        // The next pixel lies exactly across the nearer side of the cell. Along the other axis it is the pixel that the
-        // ray is in there, within the cell.
-        int low = leaves_x ? first.y : first.x;
-        precise float inside = (leaves_x ? start.y : start.x) + last * (leaves_x ? ray.rate.y : ray.rate.x);
-        int beside = clamp(int(inside), low, low + (size - 1));
+        // The next pixel lies exactly across the side that the ray crosses first. Along the other axis it is the pixel
+        // in which the ray is there, within the cell.
+        int first_other = leaves_x ? first.y : first.x;
+        precise float other_position = (leaves_x ? start.y : start.x) + last_s * (leaves_x ? ray.rate.y : ray.rate.x);
+        int other_coordinate = clamp(int(other_position), first_other, first_other + (size - 1));
 #ifdef FACES
         // Rounding may move a ray that runs along a face's border beyond it, where no pixel is, before the ray ends.
-        beside = min(beside, border);
+        other_coordinate = min(other_coordinate, border);
 #endif
-        ivec2 onward = ivec2(leaves_x ? edge.x + across.x : beside, leaves_y ? edge.y + across.y : beside);
+        ivec2 next_pixel = ivec2(leaves_x ? edge.x + across.x : other_coordinate,
+                                 leaves_y ? edge.y + across.y : other_coordinate);
         bool left_parent = ((leaves_x ? edge.x : edge.y) & size) == 0;
         walk.level = meets ? walk.level - 1 : left_parent ? min(walk.level + 1, top_level) : walk.level;
-        walk.pixel = meets ? walk.pixel : onward;
+        walk.pixel = meets ? walk.pixel : next_pixel;
         walk.entry = meets ? walk.entry : exit;
         walk.entry_depth = meets ? walk.entry_depth : exit_depth;
     }
-    w = walk;
+    state = walk;
 }
 
 // The s at which a ray leaves the pixel that it is in, or ends there.
@@ -152,11 +154,11 @@ float PixelExit(Ray ray, Walk walk, ivec2 ahead) {
 // The s at which the ray crosses the front of the block of the pixel that it is in, if it does so inside the pixel;
 // else the s at which it entered the pixel.
 float FrontCrossing(Ray ray, Walk walk, ivec2 ahead, float front) {
-    float last = PixelExit(ray, walk, ahead);
-    precise float exit_depth = ray.depth + last * ray.rate.z;
+    float exit = PixelExit(ray, walk, ahead);
+    precise float exit_depth = ray.depth + exit * ray.rate.z;
     float near = max(walk.entry_depth, exit_depth), far = min(walk.entry_depth, exit_depth);
     precise float crossing = (front - ray.depth) * (1.0 / ray.rate.z);
-    return far <= front && front <= near && far < near ? min(max(crossing, walk.entry), last) : walk.entry;
+    return far <= front && front <= near && far < near ? min(max(crossing, walk.entry), exit) : walk.entry;
 }
 
 // By which side along each axis a ray leaves a cell: 1 for the far side, if the coordinate grows, 0 for the near side.
@@ -183,11 +185,11 @@ Hit Traverse(Ray ray) {
     precise float entry_depth = ray.depth + entry * ray.rate.z;
     // By version 2, the first pixel may show the surface that the ray leaves. The ray then enters this pixel at a depth
     // beyond all others, so that it meets nothing there.
-    bool leaves = ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0;
-    if (leaves && !FOLLOWED)
+    bool leaves_surface = ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0;
+    if (leaves_surface && !FOLLOWED)
         entry_depth = ray.rate.z < 0.0 ? -NEVER : NEVER;
     Walk walk = Walk(pixel, 0, entry, entry_depth, 0);
-    Advance(ray, ahead, leaves, walk);
+    Advance(ray, ahead, leaves_surface, walk);
     hit.steps = walk.steps;
     hit.code = walk.entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
     // The walk stops below level 0 in the pixel whose block the ray hit.
@@ -196,10 +198,10 @@ Hit Traverse(Ray ray) {
         float s = FrontCrossing(ray, walk, ahead, block.x);
         precise vec2 offset = s * ray.rate.xy + 0.5;
         precise float depth = ray.depth + s * ray.rate.z;
-        vec2 low = vec2(walk.pixel - ray.pixel);
+        vec2 first_corner = vec2(walk.pixel - ray.pixel);
         hit.code = PATH_HI_Z;
         hit.pixel = walk.pixel;
-        hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
+        hit.position = vec2(ray.pixel) + clamp(offset, first_corner, first_corner + 1.0);
         hit.depth = depth;
         hit.s = s;
         bool is_behind = ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
@@ -216,10 +218,10 @@ Hit Traverse(Ray ray) {
 
 // The code PATH_MISS_* of a ray that hit nothing (docs/definitions.md, "Oracle", item 5).
 int MissCode(Ray ray) {
-    precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
+    precise vec2 pixel_offset = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;
-    ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);
-    vec2 block = BLOCK_AT(PixelTexel(last));
+    ivec2 last_pixel = clamp(ray.pixel + ivec2(pixel_offset), ivec2(0), unified.size - 1);
+    vec2 block = BLOCK_AT(PixelTexel(last_pixel));
     if (block.x >= block.y && depth < block.y)
         return PATH_MISS_BEHIND;
     ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;

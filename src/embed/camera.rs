@@ -35,10 +35,8 @@ pub(super) struct ConvertedCamera {
 const INFINITE_FAR: f32 = 1e7;
 
 impl CameraInput {
-    /// Reads the conventions off the matrices, and converts the camera.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] with the matrix that cannot be a camera's, and why.
+    /// Reads the conventions off the matrices, and converts the camera. The error names the matrix that cannot be a
+    /// camera's, and says why.
     pub(super) fn converted(&self) -> Result<ConvertedCamera> {
         let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
         if !self.world_to_view.iter().all(|v| v.is_finite()) {

@@ -55,7 +55,7 @@ pub struct CaptureCubes {
     images: CaptureImages,
     camera: super::camera::ConvertedCamera,
     /// A bit for each face that was handed over: bit 6 · capture + face.
-    taken: u64,
+    given_faces: u64,
 }
 
 impl CaptureCubes {
@@ -97,12 +97,12 @@ impl CaptureCubes {
         }
         let (gpu, extent) = (&context.gpu, [info.side; 2]);
         Ok(Self {
-            frames: FrameContext::in_others(gpu, info.frames_in_flight)?,
+            frames: FrameContext::for_caller(gpu, info.frames_in_flight)?,
             import: ImportPass::new(gpu, extent)?.labelled("capture/import"),
             keep: FaceKeeper::new(gpu, extent)?,
-            images: CaptureImages::of_camera(gpu, places, info.side, &camera.camera)?.within(bounds),
+            images: CaptureImages::of_camera(gpu, places, info.side, &camera.camera)?.with_bounds(bounds),
             camera,
-            taken: 0,
+            given_faces: 0,
         })
     }
 
@@ -132,8 +132,8 @@ impl CaptureCubes {
         depth.check("depth", extent)?;
         let gpu = self.frames.gpu().clone();
         let mut borrowed = BorrowedImages::default();
-        let color = borrowed.take(&gpu, "color", color)?;
-        let depth = borrowed.take(&gpu, "depth", depth)?;
+        let color = borrowed.add(&gpu, "color", color)?;
+        let depth = borrowed.add(&gpu, "depth", depth)?;
         // SAFETY: the caller keeps to the contract of this function.
         let mut frame = unsafe { self.frames.begin_in(commands, slot, Mode::Plain) }?;
         borrowed.begin(&mut frame);
@@ -150,16 +150,13 @@ impl CaptureCubes {
         self.images.take_face(&mut frame, &self.keep, &gbuffer, number)?;
         borrowed.end(&mut frame);
         frame.end()?;
-        self.taken |= 1 << number;
+        self.given_faces |= 1 << number;
         Ok(())
     }
 
-    /// Returns the captures in the form in which methods read them.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] if a face was never handed over.
+    /// Returns the captures in the form in which methods read them. Fails if a face was never handed over.
     pub(super) fn images(&self) -> Result<&CaptureImages> {
-        match (0..self.images.faces()).find(|number| self.taken >> number & 1 == 0) {
+        match (0..self.images.faces()).find(|number| self.given_faces >> number & 1 == 0) {
             None => Ok(&self.images),
             Some(number) => {
                 Err(Error::Usage(format!("face {} of capture {} was never handed over", number % 6, number / 6)))

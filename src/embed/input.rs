@@ -67,7 +67,7 @@ impl ImageInput {
 
     /// Checks an image that shaders sample; `extent` is `None` for a cube map.
     pub(super) fn check(&self, name: &str, extent: Option<[u32; 2]>) -> Result<()> {
-        self.check_made(name, extent, (vk::ImageUsageFlags::SAMPLED, "SAMPLED"))?;
+        self.check_any(name, extent, (vk::ImageUsageFlags::SAMPLED, "SAMPLED"))?;
         let wrong = |why: String| Err(Error::Usage(format!("the input {name} {why}")));
         let aspects = self.part.aspect_mask;
         if aspects.intersects(vk::ImageAspectFlags::DEPTH) != is_depth_format(self.format) {
@@ -81,7 +81,7 @@ impl ImageInput {
 
     /// Checks an image whose pixels have the number of the triangle that they show.
     pub(super) fn check_numbers(&self, name: &str, extent: [u32; 2]) -> Result<()> {
-        self.check_made(name, Some(extent), (vk::ImageUsageFlags::STORAGE, "STORAGE"))?;
+        self.check_any(name, Some(extent), (vk::ImageUsageFlags::STORAGE, "STORAGE"))?;
         if self.format != vk::Format::R32_UINT {
             let format = self.format;
             return Err(Error::Usage(format!("the input {name} has the format {format:?}; it must be R32_UINT")));
@@ -89,8 +89,8 @@ impl ImageInput {
         Ok(())
     }
 
-    /// Checks the image's handles, size, usage, layouts, levels and layers; `extent` is `None` for a cube map.
-    fn check_made(
+    /// Checks the handles, size, usage, layouts, levels and layers of any image; `extent` is `None` for a cube map.
+    fn check_any(
         &self,
         name: &str,
         extent: Option<[u32; 2]>,
@@ -133,11 +133,11 @@ impl BorrowedImages {
     ///
     /// # Errors
     /// [`Error::Usage`] if an earlier input is the same image with another use.
-    pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<BorrowedIndex> {
+    pub fn add(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<BorrowedIndex> {
         let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
         let Some(index) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
             let format = (input.format, input.extent);
-            self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, format)));
+            self.0.push((*input, Image::borrowed(gpu, name, (input.image, input.view), input.part, format)));
             return Ok(BorrowedIndex(self.0.len() - 1));
         };
         let known = &self.0[index].0;
@@ -202,7 +202,6 @@ pub struct NormalInput {
 }
 
 impl NormalInput {
-    /// Checks the image and its encoding.
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("normal", Some(extent))?;
         let is_signed = matches!(self.encoding, NormalEncoding::Float | NormalEncoding::Octahedral);
@@ -217,16 +216,16 @@ impl NormalInput {
     }
 
     /// Returns the code `NORMAL_*` of the encoding, and the matrix from a decoded normal to our view space.
-    pub(super) fn kind(&self, camera: &ConvertedCamera) -> (i32, Mat3) {
-        let kind = match self.encoding {
+    pub(super) fn code_and_matrix(&self, camera: &ConvertedCamera) -> (i32, Mat3) {
+        let code = match self.encoding {
             NormalEncoding::Float => NORMAL_FLOAT,
             NormalEncoding::Unorm => NORMAL_UNORM,
             NormalEncoding::Octahedral => NORMAL_OCTAHEDRAL,
             NormalEncoding::OctahedralUnorm => NORMAL_OCTAHEDRAL_UNORM,
         };
         match self.space {
-            NormalSpace::View => (kind, camera.their_view_to_ours),
-            NormalSpace::World => (kind, Mat3::from_mat4(camera.camera.world_to_view)),
+            NormalSpace::View => (code, camera.their_view_to_ours),
+            NormalSpace::World => (code, Mat3::from_mat4(camera.camera.world_to_view)),
         }
     }
 }
@@ -247,7 +246,6 @@ pub struct MotionInput {
 }
 
 impl MotionInput {
-    /// Checks the image and the scale.
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("motion", Some(extent))?;
         let (format, scale) = (self.image.format, self.scale);
@@ -290,12 +288,12 @@ impl FactorInput {
         }
     }
 
-    /// Adds the factor's image, if it has one, to the borrowed images.
-    pub(super) fn take(&self, borrowed: &mut BorrowedImages, gpu: &Gpu, name: &str) -> Result<BorrowedFactor> {
+    /// Returns the factor, after its image, if it has one, was added to the borrowed images.
+    pub(super) fn borrow(&self, borrowed: &mut BorrowedImages, gpu: &Gpu, name: &str) -> Result<BorrowedFactor> {
         Ok(match self {
             // A constant is rounded as an image of half floats would round it.
             Self::Constant(value) => BorrowedFactor::Constant(half::f16::from_f32(*value).to_f32()),
-            Self::Channel(image, channel) => BorrowedFactor::Channel(borrowed.take(gpu, name, image)?, *channel),
+            Self::Channel(image, channel) => BorrowedFactor::Channel(borrowed.add(gpu, name, image)?, *channel),
         })
     }
 }

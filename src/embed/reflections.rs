@@ -140,7 +140,7 @@ pub struct Reflections {
     method: &'static MethodInfo,
     setup: Setup,
     wants: Wants,
-    beyond: WorldInput,
+    world_input: WorldInput,
 }
 
 /// The kind of images or triangles beyond the screen that frames are given.
@@ -166,7 +166,7 @@ impl WorldInput {
         }
     }
 
-    /// Returns whether passes made for `self` can read `given`. They do not depend on the number of triangles.
+    /// Returns whether passes made for `self` can read `given`. The number of triangles may differ.
     fn takes(self, given: Self) -> bool {
         match (self, given) {
             (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },
@@ -197,18 +197,18 @@ impl Reflections {
         let method = super::method(info.method)?;
         let mut setup = Setup::new(info.extent).seen_by(info.projection);
         for (name, value) in info.parameters {
-            set(&mut setup, method, name, value)?;
+            set_parameter(&mut setup, method, name, value)?;
         }
         let gpu = &context.gpu;
         let wants = Wants { hits: info.hits, reflection: info.reflection, composite: info.composite };
         if wants == Wants::default() {
             return Err(Error::Usage("no output is asked for: composite, reflection and hits are off".into()));
         }
-        let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
+        let mut frames = FrameContext::for_caller(gpu, info.frames_in_flight)?;
         let import = ImportPass::new(gpu, info.extent)?;
-        let beyond = WorldInput::from_inputs(info.captures, info.triangles)?;
-        let effect = effect(&mut frames, method, &setup, wants, beyond)?;
-        Ok(Self { frames, import, effect, method, setup, wants, beyond })
+        let world_input = WorldInput::from_inputs(info.captures, info.triangles)?;
+        let effect = make_effect(&mut frames, method, &setup, wants, world_input)?;
+        Ok(Self { frames, import, effect, method, setup, wants, world_input })
     }
 
     /// Makes images of another size. The device must be done with every frame that was recorded.
@@ -218,7 +218,7 @@ impl Reflections {
     pub fn resize(&mut self, extent: [u32; 2]) -> Result<()> {
         let setup = self.setup.with_extent(extent);
         let import = ImportPass::new(self.frames.gpu(), extent)?;
-        let effect = effect(&mut self.frames, self.method, &setup, self.wants, self.beyond)?;
+        let effect = make_effect(&mut self.frames, self.method, &setup, self.wants, self.world_input)?;
         (self.setup, self.import, self.effect) = (setup, import, effect);
         Ok(())
     }
@@ -251,22 +251,22 @@ impl Reflections {
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
         let converted = self.check(input)?;
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
-        let triangles = input.triangles.map(Triangles::bound).transpose()?;
+        let triangles = input.triangles.map(Triangles::buffers).transpose()?;
         let gpu = self.frames.gpu().clone();
         let mut borrowed = BorrowedImages::default();
-        let depth = borrowed.take(&gpu, "depth", &input.depth)?;
-        let normal = borrowed.take(&gpu, "normal", &input.normal.image)?;
-        let reflectivity = input.reflectivity.take(&mut borrowed, &gpu, "reflectivity")?;
-        let roughness = input.roughness.take(&mut borrowed, &gpu, "roughness")?;
-        let color = borrowed.take(&gpu, "color", &input.color)?;
-        let sky = input.sky.map(|sky| borrowed.take(&gpu, "sky", &sky)).transpose()?;
-        let numbers = input.triangle_numbers.map(|n| borrowed.take(&gpu, "triangle_numbers", &n)).transpose()?;
-        let motion = input.motion.map(|m| Ok::<_, Error>((m, borrowed.take(&gpu, "motion", &m.image)?))).transpose()?;
+        let depth = borrowed.add(&gpu, "depth", &input.depth)?;
+        let normal = borrowed.add(&gpu, "normal", &input.normal.image)?;
+        let reflectivity = input.reflectivity.borrow(&mut borrowed, &gpu, "reflectivity")?;
+        let roughness = input.roughness.borrow(&mut borrowed, &gpu, "roughness")?;
+        let color = borrowed.add(&gpu, "color", &input.color)?;
+        let sky = input.sky.map(|sky| borrowed.add(&gpu, "sky", &sky)).transpose()?;
+        let numbers = input.triangle_numbers.map(|n| borrowed.add(&gpu, "triangle_numbers", &n)).transpose()?;
+        let motion = input.motion.map(|m| Ok::<_, Error>((m, borrowed.add(&gpu, "motion", &m.image)?))).transpose()?;
         let mode = if input.timed { Mode::Timed } else { Mode::Plain };
         // SAFETY: the caller keeps to the contract of this function.
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
         borrowed.begin(&mut frame);
-        let (encoding, to_view) = input.normal.kind(&converted);
+        let (encoding, to_view) = input.normal.code_and_matrix(&converted);
         let foreign = ForeignImages {
             depth: borrowed.image(depth),
             to_reversed: converted.to_reversed,
@@ -340,11 +340,11 @@ impl Reflections {
             motion.check(extent)?;
         }
         let given = WorldInput::from_inputs(input.captures.map(|cubes| cubes.extent()[0]), input.triangles)?;
-        if !self.beyond.takes(given) {
+        if !self.world_input.takes(given) {
             return Err(Error::Usage(format!(
                 "the frame is given {}, and the reflections were made for {}: ReflectionsInfo says what frames have",
                 given.describe(),
-                self.beyond.describe()
+                self.world_input.describe()
             )));
         }
         let converted = input.camera.converted()?;
@@ -356,15 +356,15 @@ impl Reflections {
     }
 }
 
-/// Makes the effect for frames with captures, with triangles, or without either, as `beyond` says.
-fn effect(
+/// Makes the effect for frames with captures, with triangles, or without either.
+fn make_effect(
     frames: &mut FrameContext,
     method: &MethodInfo,
     setup: &Setup,
     wants: Wants,
-    beyond: WorldInput,
+    world_input: WorldInput,
 ) -> Result<Effect> {
-    match beyond {
+    match world_input {
         WorldInput::Captures(side) => Effect::for_captures(frames, method, setup, wants, [side; 2]),
         WorldInput::Triangles(reading) => Effect::for_triangles(frames, method, setup, wants, reading),
         WorldInput::Nothing => Effect::new(frames, method, setup, wants, None),
@@ -372,14 +372,14 @@ fn effect(
 }
 
 /// Sets the preset, or a parameter that the method or the effect around it reads. Fails for any other name.
-fn set(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Result<()> {
+fn set_parameter(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Result<()> {
     if name == "preset" {
         let preset = [Preset::Published, Preset::Author].into_iter().find(|p| p.name() == value);
         let refused = || Error::Usage(format!("preset is {value:?}; it takes published or author"));
         setup.values.preset = preset.ok_or_else(refused)?;
         return Ok(());
     }
-    let rows: Vec<Parameter> = method.reads();
+    let rows: Vec<Parameter> = method.read_parameters();
     let row = rows.iter().find(|row| row.name == name || row.typed_name() == name).ok_or_else(|| {
         let names: Vec<_> = rows.iter().map(Parameter::typed_name).collect();
         Error::Usage(format!("{} has no parameter {name:?}; it has: {}", method.name, names.join(", ")))

@@ -83,12 +83,11 @@ impl Triangles {
     /// Errors of [`Self::new`], and [`Error::Usage`] with the number of a texture that is wrong, and why.
     #[cfg(feature = "tree")]
     pub fn with_textures(context: &Context, meshes: &[TriangleMesh], textures: &[HitTexture]) -> Result<Self> {
-        let numbered = meshes.iter().enumerate();
-        let meshes: Vec<(Mesh, Material)> =
-            numbered.map(|(number, mesh)| mesh.take(number, textures.len())).collect::<Result<_>>()?;
-        let (meshes, materials) = meshes.into_iter().unzip();
+        let convert_mesh = |(number, mesh): (usize, &TriangleMesh)| mesh.converted(number, textures.len());
+        let converted: Vec<(Mesh, Material)> = meshes.iter().enumerate().map(convert_mesh).collect::<Result<_>>()?;
+        let (meshes, materials) = converted.into_iter().unzip();
         let textures: Vec<Texture> =
-            textures.iter().enumerate().map(|(number, texture)| texture.take(number)).collect::<Result<_>>()?;
+            textures.iter().enumerate().map(|(number, texture)| texture.converted(number)).collect::<Result<_>>()?;
         if textures.iter().map(|texture| texture.rgba.len() / 4).sum::<usize>() > MAX_TEXELS {
             return Err(Error::Usage(format!("the textures have more than {MAX_TEXELS} texels together")));
         }
@@ -96,7 +95,7 @@ impl Triangles {
         let tree = Tree::build(&scene)?;
         let records = TriangleRecords::new(&scene, &tree);
         let unlit = UnlitTriangles::new(&context.gpu, &tree, &records, &scene.materials, &textures)?;
-        Ok(Self { frames: FrameContext::in_others(&context.gpu, 1)?, unlit, is_recorded: false })
+        Ok(Self { frames: FrameContext::for_caller(&context.gpu, 1)?, unlit, is_recorded: false })
     }
 
     /// Records the copy of the triangles to the device. Call it once, before the first frame that sees them.
@@ -118,15 +117,12 @@ impl Triangles {
         Ok(())
     }
 
-    /// Returns the triangles in the form in which methods read them.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] if they were never uploaded.
-    pub(super) fn bound(&self) -> Result<TriangleBuffers<'_>> {
+    /// Returns the triangles in the form in which methods read them. Fails if they were never uploaded.
+    pub(super) fn buffers(&self) -> Result<TriangleBuffers<'_>> {
         if !self.is_recorded {
             return Err(Error::Usage("the triangles were never uploaded: record_upload comes first".into()));
         }
-        Ok(self.unlit.bound())
+        Ok(self.unlit.buffers())
     }
 
     /// Returns how shaders read the triangles, which is the same in every frame.
@@ -138,7 +134,7 @@ impl Triangles {
 #[cfg(feature = "tree")]
 impl TriangleMesh<'_> {
     /// Checks the mesh, and converts it to world space, with its colour or texture as a material.
-    fn take(&self, number: usize, textures: usize) -> Result<(Mesh, Material)> {
+    fn converted(&self, number: usize, textures: usize) -> Result<(Mesh, Material)> {
         let wrong = |why: String| Err(Error::Usage(format!("triangle mesh {number} {why}")));
         let (vertices, indices) = (self.positions.len(), self.indices);
         if !indices.len().is_multiple_of(3) {
@@ -191,7 +187,7 @@ const MAX_TEXELS: usize = 1 << 30;
 #[cfg(feature = "tree")]
 impl HitTexture<'_> {
     /// Checks and converts the texture. Alpha becomes 255: for shaders it is the share of light that is emitted.
-    fn take(&self, number: usize) -> Result<Texture> {
+    fn converted(&self, number: usize) -> Result<Texture> {
         let [width, height] = self.extent;
         let wrong = |why: String| Err(Error::Usage(format!("texture {number} {why}")));
         if !self.extent.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {

@@ -34,7 +34,7 @@ pub struct Permutation {
 
 impl Permutation {
     /// Returns the bindings that are fields of the program's struct: all but the images that replace outputs.
-    fn given(&self) -> impl Iterator<Item = &StageBinding> {
+    fn field_bindings(&self) -> impl Iterator<Item = &StageBinding> {
         let is_stored = |bound: &StageBinding| self.stored.iter().any(|(binding, _)| *binding == bound.binding);
         self.interface.bindings.iter().filter(move |bound| !is_stored(bound))
     }
@@ -57,9 +57,11 @@ pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
     if permutations.iter().any(|p| p.stage == Stage::Vertex) {
         return Err("a vertex shader has the name of a fragment shader".into());
     }
-    let read: BTreeSet<String> = fragments.iter().flat_map(|i| &i.bindings).map(|bound| bound.name.clone()).collect();
+    let fragment_bindings: BTreeSet<String> =
+        fragments.iter().flat_map(|i| &i.bindings).map(|bound| bound.name.clone()).collect();
     for Permutation { interface, file, stored, .. } in permutations.iter_mut().filter(|p| p.stage == Stage::Compute) {
-        let is_output = |b: &&StageBinding| b.kind == "StorageImage" && !b.read_only && !read.contains(&b.name);
+        let is_output =
+            |b: &&StageBinding| b.kind == "StorageImage" && !b.read_only && !fragment_bindings.contains(&b.name);
         let images = interface.bindings.iter().filter(is_output).map(|bound| {
             let found = interface.formats.get(&bound.binding).map(|format| (bound.binding, *format));
             found.ok_or_else(|| format!("{file}: the output {} has no format", bound.name))
@@ -83,7 +85,7 @@ fn check_twins(permutations: &[Permutation]) -> Result<(), String> {
             p.stage == Stage::Fragment && p.file == twin.file && p.named.defines.iter().eq(source_defines.clone())
         };
         let reads_alike = permutations.iter().find(is_source).is_some_and(|fragment| {
-            twin.given().eq(fragment.given())
+            twin.field_bindings().eq(fragment.field_bindings())
                 && twin.interface.push == fragment.interface.push
                 && twin.interface.constants == fragment.interface.constants
         });
@@ -120,7 +122,7 @@ impl Groups {
     }
 
     /// Finds the group that `member` belongs to. A group counts only if `names` has all of its members.
-    fn around(&self, member: &str, names: &BTreeSet<&str>) -> Option<&Group> {
+    fn group_with(&self, member: &str, names: &BTreeSet<&str>) -> Option<&Group> {
         let has_all = |group: &&Group| group.members.iter().all(|member| names.contains(member.as_str()));
         self.named.iter().filter(has_all).find(|group| group.members.iter().any(|m| m == member))
     }
@@ -128,15 +130,15 @@ impl Groups {
     /// Declares the struct of a group of bindings.
     fn declare(&mut self, group: &Group, members: &[&StageBinding]) -> Result<(), String> {
         let field = |bound: &&StageBinding| {
-            format!("    /// The binding of this name.\n    pub {}: {},\n", bound.name, bound_type(bound).0)
+            format!("    /// The binding of this name.\n    pub {}: {},\n", bound.name, type_and_resource(bound).0)
         };
         let fields: String = members.iter().map(field).collect();
         let title = "/// Bindings that several programs have together.\n#[derive(Clone, Copy)]\n";
-        self.keep(&group.name, format!("{title}pub struct {}<'a> {{\n{fields}}}\n", group.name))
+        self.add_declaration(&group.name, format!("{title}pub struct {}<'a> {{\n{fields}}}\n", group.name))
     }
 
-    /// Keeps the declaration `text` of the group `name`. Fails if another program declares the members differently.
-    fn keep(&mut self, name: &str, text: String) -> Result<(), String> {
+    /// Adds the declaration `text` of the group `name`. Fails if another program declares the members differently.
+    fn add_declaration(&mut self, name: &str, text: String) -> Result<(), String> {
         match self.declared.insert(name.to_owned(), text.clone()) {
             Some(known) if known != text => Err(format!("its members of {name} are not those of other programs")),
             _ => Ok(()),
@@ -145,7 +147,7 @@ impl Groups {
 }
 
 /// Returns the Rust type of a binding's field, and the code that makes its `Resource`, where `{}` stands for the field.
-fn bound_type(bound: &StageBinding) -> (String, String) {
+fn type_and_resource(bound: &StageBinding) -> (String, String) {
     let StageBinding { kind, count, block, read_only, .. } = bound;
     let (ty, resource) = match (*kind, *count, *read_only) {
         ("SampledImage", 1, _) => ("Sampled<'a>".into(), "Sampled({})"),
@@ -165,23 +167,23 @@ fn bound_type(bound: &StageBinding) -> (String, String) {
 /// A binding that some permutation lacks is an `Option`, and so is a group of which some permutation has no member.
 fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(String, String), String> {
     let mut bindings: Vec<&StageBinding> = Vec::new();
-    for bound in permutations.iter().flat_map(Permutation::given) {
+    for bound in permutations.iter().flat_map(Permutation::field_bindings) {
         match bindings.iter().find(|known| known.name == bound.name) {
             None => bindings.push(bound),
-            Some(known) if bound_type(known) == bound_type(bound) => {}
+            Some(known) if type_and_resource(known) == type_and_resource(bound) => {}
             Some(_) => return Err(format!("its permutations differ in what the binding {} is", bound.name)),
         }
     }
     let names: BTreeSet<&str> = bindings.iter().map(|bound| bound.name.as_str()).collect();
     let is_everywhere = |members: &[String]| {
-        let has_one = |p: &Permutation| p.given().any(|bound| members.contains(&bound.name));
+        let has_one = |p: &Permutation| p.field_bindings().any(|bound| members.contains(&bound.name));
         permutations.iter().all(has_one)
     };
     let (mut fields, mut arms) = (String::new(), String::new());
-    let mut grouped: BTreeSet<String> = BTreeSet::new();
+    let mut declared_groups: BTreeSet<String> = BTreeSet::new();
     for bound in &bindings {
-        let ((ty, resource), name) = (bound_type(bound), &bound.name);
-        let group = groups.around(name, &names).cloned();
+        let ((ty, resource), name) = (type_and_resource(bound), &bound.name);
+        let group = groups.group_with(name, &names).cloned();
         let members = group.as_ref().map_or(std::slice::from_ref(name), |group| &group.members);
         let is_option = !is_everywhere(members);
         let question = if is_option { "?" } else { "" };
@@ -193,7 +195,7 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
         };
         let _ = writeln!(arms, "            {name:?} => Resource::{},", resource.replace("{}", &value));
         let (field, ty, about) = match group {
-            Some(group) if !grouped.insert(group.name.clone()) => continue,
+            Some(group) if !declared_groups.insert(group.name.clone()) => continue,
             Some(group) => {
                 let member_binding = |member: &String| bindings.iter().find(|bound| bound.name == *member).copied();
                 groups.declare(&group, &group.members.iter().filter_map(member_binding).collect::<Vec<_>>())?;
@@ -211,7 +213,7 @@ fn program_fields(permutations: &[Permutation], groups: &mut Groups) -> Result<(
 }
 
 /// Declares a program's struct, with the traits through which pipelines and frames use it (`src/gpu/program.rs`).
-pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) -> Result<String, String> {
+pub fn declare_program(name: &str, permutations: &[Permutation], groups: &mut Groups) -> Result<String, String> {
     check_twins(permutations)?;
     let (mut fields, arms) = program_fields(permutations, groups)?;
     let mut pushes = permutations.iter().filter_map(|p| p.interface.push.as_ref());
@@ -226,14 +228,14 @@ pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) ->
     let pushed = push.map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
     let (constants_type, constants) = program_constants(name, permutations, groups)?;
     let mut title = String::new();
-    let mut known = BTreeSet::new();
+    let mut known_kinds = BTreeSet::new();
     for Permutation { file, named, stage, stored, .. } in permutations {
-        if !known.insert((*stage, &named.rays, stored)) {
+        if !known_kinds.insert((*stage, &named.rays, stored)) {
             return Err(format!("{file}: another permutation has the same stage and the same source of rays"));
         }
         let _ = writeln!(title, "/// - `{}/{}`", glsl::FOLDER, self::title(file, &named.defines));
     }
-    let compiled: String = permutations.iter().map(permutation).collect();
+    let compiled: String = permutations.iter().map(permutation_code).collect();
     let (found, argument) = match &arms[..] {
         "" => ("None".to_owned(), "_"),
         arms => (format!("Some(match name {{\n{arms}            _ => return None,\n        }})"), "name"),
@@ -261,7 +263,7 @@ pub fn program(name: &str, permutations: &[Permutation], groups: &mut Groups) ->
 }
 
 /// Returns the Rust code of one element of a program's `PERMUTATIONS`.
-fn permutation(permutation: &Permutation) -> String {
+fn permutation_code(permutation: &Permutation) -> String {
     let Permutation { named, stage, file, module, interface, stored } = permutation;
     let (title, defines) = (title(file, &named.defines), &named.defines);
     let (push_size, local_size) = (interface.push.as_ref().map_or(0, |p| p.size), interface.local_size);
@@ -300,35 +302,30 @@ fn program_constants(
     }
     let names: BTreeSet<&str> = constants.values().map(|constant| constant.name.as_str()).collect();
     let mut grouped: BTreeMap<String, (Group, Vec<&Constant>)> = BTreeMap::new();
-    let mut own = Vec::new();
+    let mut ungrouped = Vec::new();
     for constant in constants.into_values() {
-        match groups.around(&constant.name, &names) {
+        match groups.group_with(&constant.name, &names) {
             Some(group) => {
                 grouped.entry(group.name.clone()).or_insert_with(|| (group.clone(), Vec::new())).1.push(constant);
             }
-            None => own.push(constant),
+            None => ungrouped.push(constant),
         }
     }
     let name = format!("{program}Constants");
     let title = format!("Specialization constants of [`{program}`].");
     for (group, members) in grouped.values() {
-        let text = constants_struct(
-            &group.name,
-            "Specialization constants that several programs have together.",
-            members,
-            &[],
-        );
-        groups.keep(&group.name, text)?;
+        let title = "Specialization constants that several programs have together.";
+        groups.add_declaration(&group.name, constants_struct(&group.name, title, members, &[]))?;
     }
-    let of_groups: Vec<&Group> = grouped.values().map(|(group, _)| group).collect();
-    let text = constants_struct(&name, &title, &own, &of_groups);
+    let used_groups: Vec<&Group> = grouped.values().map(|(group, _)| group).collect();
+    let text = constants_struct(&name, &title, &ungrouped, &used_groups);
     Ok((name, text))
 }
 
 /// Declares a struct of constants, and of groups of constants.
 fn constants_struct(name: &str, title: &str, constants: &[&Constant], groups: &[&Group]) -> String {
     let (mut fields, mut entries) = (String::new(), String::new());
-    let (mut defaults, mut further) = (String::new(), String::new());
+    let (mut defaults, mut group_entries) = (String::new(), String::new());
     for Constant { id, name, ty, default } in constants {
         let field = name.to_ascii_lowercase();
         let value = match *ty {
@@ -351,11 +348,11 @@ fn constants_struct(name: &str, title: &str, constants: &[&Constant], groups: &[
         let (field, ty) = (group.field(), &group.name);
         let _ = writeln!(fields, "    /// `{}`.\n    pub {field}: {ty},", group.members.join("`, `"));
         let _ = write!(defaults, "{field}: {ty}::default(), ");
-        let _ = write!(further, ", self.{field}.entries()");
+        let _ = write!(group_entries, ", self.{field}.entries()");
     }
     format!(
         "/// {title}\n#[derive(Debug, Clone, Copy, PartialEq)]\npub struct {name} {{\n{fields}}}\n\
-         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ [vec![{entries}]{further}].concat() }}\n}}\n\
+         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ [vec![{entries}]{group_entries}].concat() }}\n}}\n\
          /// The values that the shader gives them.\nimpl Default for {name} {{\n    fn default() -> Self {{ Self {{ {defaults}}} }}\n}}\n"
     )
 }

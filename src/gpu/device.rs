@@ -8,7 +8,7 @@ mod ray_queries;
 
 use super::executables::Executables;
 use super::image::Loan;
-use super::memory::{DeviceMemory, Source};
+use super::memory::{DeviceMemory, MemorySource};
 use super::pipelines::Pipelines;
 use super::sampler::{Sampler, Samplers};
 use super::testing::watch::Watch;
@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use ash::vk;
 pub use features::enable_features;
 pub use open::memory_limit;
-use open::{create_instance, list, open_device};
+use open::{create_instance, list_devices, open_device};
 pub(super) use ray_queries::RayQueries;
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
@@ -81,7 +81,7 @@ pub struct Precision {
 /// One line of `ssct devices`.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct DeviceListing {
-    /// Index of the device, which `--device` takes.
+    /// Index of the device, by which [`DeviceQuery::device`] names it.
     pub index: usize,
     /// The device.
     #[serde(flatten)]
@@ -147,7 +147,7 @@ pub struct Shared {
     queue: Option<Mutex<vk::Queue>>,
     samplers: Samplers,
     pub(crate) pipelines: Pipelines,
-    memory: ManuallyDrop<Source>,
+    memory: ManuallyDrop<MemorySource>,
     /// Whether the last handle destroys the instance and the device; false if they are the caller's.
     owned: bool,
     submissions: AtomicU64,
@@ -199,8 +199,8 @@ pub(super) fn text(returned: std::result::Result<&CStr, std::ffi::FromBytesUntil
 
 /// Lists every device that the loader sees, suitable or not.
 pub fn devices() -> Result<Vec<DeviceListing>> {
-    let (_entry, instance, _) = create_instance(&DeviceQuery::default(), &ValidationLog::default())?;
-    let listing = list(&instance, false);
+    let (_loader, instance, _) = create_instance(&DeviceQuery::default(), &ValidationLog::default())?;
+    let listing = list_devices(&instance, false);
     // SAFETY: nothing was created from the instance.
     unsafe { instance.destroy_instance(None) };
     Ok(listing?.into_iter().map(|(_, listing)| listing).collect())
@@ -234,9 +234,9 @@ impl Gpu {
     /// # Safety
     /// The handles belong together, and outlive every clone of this handle and all that is made from it. The features
     /// in `device` are on. When the last clone is dropped, the device is done with everything that was recorded.
-    pub unsafe fn of_others(device: DeviceHandles) -> Result<Self> {
-        // SAFETY: `open::of_others` has the contract of this function.
-        Ok(Self { shared: Arc::new(unsafe { open::of_others(device) }?), loan: None })
+    pub unsafe fn from_handles(device: DeviceHandles) -> Result<Self> {
+        // SAFETY: `open::from_handles` has the contract of this function.
+        Ok(Self { shared: Arc::new(unsafe { open::from_handles(device) }?), loan: None })
     }
 
     /// Whether the queues have timestamps.
@@ -254,7 +254,7 @@ impl Gpu {
         }
     }
 
-    /// The number of the device in `ssct devices`, which `--device` takes; `None` for a caller's device.
+    /// The number of the device in `ssct devices`; `None` for a caller's device.
     pub fn index(&self) -> Option<usize> {
         self.shared.index
     }
@@ -264,7 +264,7 @@ impl Gpu {
         &self.shared.info
     }
 
-    /// The messages of the validation layers so far; none without `--validation`.
+    /// The messages of the validation layers so far; none without [`DeviceQuery::validation`].
     pub fn validation(&self) -> Vec<validation::Message> {
         self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
     }
@@ -279,7 +279,7 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| d.log.violations()).unwrap_or_default()
     }
 
-    /// Returns an error if the validation layers said anything outside the allow-list.
+    /// Fails if there are messages of the validation layers that the allow-list does not excuse.
     pub fn check_validation(&self) -> Result<()> {
         validation::check(&self.violations())
     }
@@ -304,8 +304,7 @@ impl Gpu {
         self.shared.submissions.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// The allocator of the device's memory.
-    pub(super) fn memory(&self) -> &Source {
+    pub(super) fn memory(&self) -> &MemorySource {
         &self.shared.memory
     }
 
@@ -437,7 +436,7 @@ impl Gpu {
 impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: the last handle is gone, and so is every resource, since each keeps a handle. The device is idle before anything is
-        // destroyed; on a caller's device, the caller promises this (`Gpu::of_others`).
+        // destroyed; on a caller's device, the caller promises this (`Gpu::from_handles`).
         unsafe {
             if self.owned {
                 let _ = self.device.device_wait_idle();

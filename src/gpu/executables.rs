@@ -1,4 +1,4 @@
-//! Statistics of a device's compiler about the programs of frames, by VK_KHR_pipeline_executable_properties. They exist
+//! Statistics of a device's compiler about the programs of frames, by VK_KHR_pipeline_executable_properties: they exist
 //! only on a device that was opened with [`DeviceQuery::compiles_only`](super::DeviceQuery::compiles_only).
 
 use super::device::{Gpu, text, vulkan};
@@ -76,13 +76,12 @@ impl Executables {
         self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner).push(pass_pipeline);
     }
 
-    /// Forgets all passes, and returns them.
-    fn take(&self) -> Vec<PassPipeline> {
+    fn take_passes(&self) -> Vec<PassPipeline> {
         std::mem::take(&mut *self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Asks the driver for the code that each stage of a pipeline was compiled to.
-    fn of_pipeline(&self, pipeline: &SharedPipeline) -> Result<Vec<Executable>> {
+    fn compiled_code(&self, pipeline: &SharedPipeline) -> Result<Vec<Executable>> {
         let failure = |call: &str| vulkan(format!("{call} for {}", pipeline.name));
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.handle);
         // SAFETY: the pipeline is alive and was made with its statistics captured.
@@ -116,7 +115,6 @@ fn stages(flags: vk::ShaderStageFlags) -> String {
     if names.is_empty() { format!("{flags:?}") } else { names.join("+") }
 }
 
-/// Converts a statistic that a driver stated.
 fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
     use vk::PipelineExecutableStatisticFormatKHR as Format;
     // SAFETY: the format says which field of the union the driver wrote.
@@ -142,13 +140,13 @@ impl Gpu {
         };
         let program = |pass_pipeline: PassPipeline| {
             Ok(CompiledProgram {
-                executables: executables.of_pipeline(&pass_pipeline.pipeline)?,
+                executables: executables.compiled_code(&pass_pipeline.pipeline)?,
                 program: pass_pipeline.pipeline.name.to_owned(),
                 constants: pass_pipeline.pipeline.constants.clone(),
                 pass: pass_pipeline.pass,
                 counted: pass_pipeline.counted,
             })
         };
-        executables.take().into_iter().map(program).collect()
+        executables.take_passes().into_iter().map(program).collect()
     }
 }

@@ -113,11 +113,12 @@ pub struct Frame<'c> {
     /// Label of each recorded pass, and whether the pass counts towards the method's time.
     passes: Vec<(String, bool)>,
     /// Work that the host did for the frame, reported like passes.
-    on_host: Vec<PassTime>,
+    host_work: Vec<PassTime>,
     skipped: Vec<Skipped>,
+    /// Whether the next pass counts towards the method's time.
     counted: bool,
     /// Prefix of the names of passes.
-    stage: String,
+    prefix: String,
     pending: Barriers,
     undo: Undo,
     /// Flags of the pipelines that are settled once this frame is submitted (`quirks/settle.rs`).
@@ -146,15 +147,15 @@ struct Barriers {
 
 impl<'c> Frame<'c> {
     /// Makes a frame whose command buffer is recording, and writes its first timestamp.
-    fn begun(context: &'c mut FrameContext, mode: Mode) -> Result<Self> {
+    fn new(context: &'c mut FrameContext, mode: Mode) -> Result<Self> {
         let mut frame = Self {
             context,
             mode,
             passes: Vec::new(),
-            on_host: Vec::new(),
+            host_work: Vec::new(),
             skipped: Vec::new(),
             counted: false,
-            stage: String::new(),
+            prefix: String::new(),
             pending: Barriers::default(),
             undo: Undo::default(),
             settled: Vec::new(),
@@ -166,25 +167,26 @@ impl<'c> Frame<'c> {
 }
 
 impl Frame<'_> {
-    /// From here on passes count towards the method's total time.
+    /// Lets the passes that follow count towards the method's total time.
     pub fn begin_effect(&mut self) {
         self.counted = true;
     }
 
     /// Puts a prefix, which is `name` and a slash, before the names of the passes that follow, so that passes that are
     /// recorded again have names of their own. `None` ends the prefix.
-    pub fn stage(&mut self, name: Option<&str>) {
-        self.stage = name.map_or(String::new(), |name| format!("{name}/"));
+    pub fn set_prefix(&mut self, name: Option<&str>) {
+        self.prefix = name.map_or(String::new(), |name| format!("{name}/"));
     }
 
     /// Notes a pass that this frame does not need, and why.
     pub fn skip(&mut self, pass: &str, why: &str) {
-        self.skipped.push(Skipped { pass: format!("{}{pass}", self.stage), why: why.to_owned() });
+        self.skipped.push(Skipped { pass: format!("{}{pass}", self.prefix), why: why.to_owned() });
     }
 
     /// Notes work that the host did for this frame before it was recorded, as a pass that took so many milliseconds.
-    pub fn on_host(&mut self, name: &str, ms: f64) {
-        self.on_host.push(PassTime { name: format!("{}{name}", self.stage), ms, start_ms: 0.0, counted: self.counted });
+    pub fn note_host_work(&mut self, name: &str, ms: f64) {
+        let name = format!("{}{name}", self.prefix);
+        self.host_work.push(PassTime { name, ms, start_ms: 0.0, counted: self.counted });
     }
 
     /// Makes levels of an image ready for a use by barriers outside of a pass, for example after an upload.
@@ -193,20 +195,20 @@ impl Frame<'_> {
         self.flush();
     }
 
-    /// Takes over a caller's image: `left` is the use in which the caller left it.
-    pub fn take_over(&mut self, image: &Image, left: ImageUse) {
+    /// Takes over a caller's image, which the caller used last as `last` says.
+    pub fn take_over(&mut self, image: &Image, last: ImageUse) {
         for (_, state) in image.all().states() {
             self.undo.0.push((state.clone(), state.get()));
-            state.set(State::left(left));
+            state.set(State::after_use(last));
         }
     }
 
-    /// Records the barriers after which the caller may use an image as `to` says, and sees all that is recorded here.
-    pub fn hand_over(&mut self, image: &Image, to: ImageUse) {
+    /// Records the barriers after which the caller may use an image as `next` says, and sees all that is recorded here.
+    pub fn hand_over(&mut self, image: &Image, next: ImageUse) {
         for (level, state) in image.all().states() {
             let mut current = state.get();
             self.undo.0.push((state.clone(), current));
-            let transition = current.hand_over(to);
+            let transition = current.hand_over(next);
             state.set(current);
             self.image_barrier(image, level, transition);
         }
@@ -237,7 +239,7 @@ impl Frame<'_> {
     fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
         self.stamp()?;
         let device = self.context.gpu.raw();
-        let Some(own) = &self.context.own else {
+        let Some(own) = &self.context.own_commands else {
             return Err(Error::Usage("this frame is submitted by whoever began its command buffer".into()));
         };
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(own.commands)];
@@ -256,24 +258,7 @@ impl Frame<'_> {
             submitted = Instant::now();
             self.undo.0.clear();
             self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
-            let waited = match self.context.gpu.shared().frame_timeout.get() {
-                None => device.wait_for_fences(&fences, true, u64::MAX),
-                Some((limit, give_up)) => {
-                    let nanoseconds = limit.as_nanos().try_into().unwrap_or(u64::MAX);
-                    device.wait_for_fences(&fences, true, nanoseconds).or_else(|result| {
-                        if result != vk::Result::TIMEOUT {
-                            return Err(result);
-                        }
-                        let passes: Vec<&str> = self.passes.iter().map(|(name, _)| name.as_str()).collect();
-                        give_up(&format!(
-                            "a frame was not done in {} s, so that a shader of it may run forever; its passes: {}",
-                            limit.as_secs_f64(),
-                            passes.join(", ")
-                        ));
-                        device.wait_for_fences(&fences, true, u64::MAX)
-                    })
-                }
-            };
+            let waited = self.wait(&fences);
             if waited.is_err() {
                 // A lost device is idle. Any other must become idle before the resources that it uses are destroyed.
                 let _ = device.device_wait_idle();
@@ -281,9 +266,9 @@ impl Frame<'_> {
             device.reset_fences(&fences).map_err(vulkan("vkResetFences"))?;
             waited.map_err(vulkan("vkWaitForFences"))?;
         }
-        let on_host = std::mem::take(&mut self.on_host);
-        let mut report = self.recorded();
-        report.recorded.splice(..0, on_host.iter().map(|pass| pass.name.clone()));
+        let host_work = std::mem::take(&mut self.host_work);
+        let mut report = self.report();
+        report.recorded.splice(..0, host_work.iter().map(|pass| pass.name.clone()));
         let (system_time, begun) = self.begun;
         let milliseconds = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
         report.host = Some(HostTime {
@@ -295,12 +280,32 @@ impl Frame<'_> {
             (Mode::Timed, _) => {
                 let slot = self.slot();
                 (report.passes, report.frame_ms) = slot.times()?;
-                report.passes.splice(..0, on_host);
+                report.passes.splice(..0, host_work);
             }
             (Mode::Counted, Some(statistics)) => report.work = statistics.results()?,
             _ => {}
         }
         Ok(report)
+    }
+
+    /// Waits for the fences of a submission. If the frame exceeds the limit of [`Gpu::wait_at_most`](super::Gpu::wait_at_most),
+    /// calls the function that belongs to the limit, and waits on.
+    fn wait(&self, fences: &[vk::Fence]) -> std::result::Result<(), vk::Result> {
+        // SAFETY: the fences belong to the device, and are destroyed after this call.
+        let wait = |nanoseconds: u64| unsafe { self.device().wait_for_fences(fences, true, nanoseconds) };
+        let Some((limit, give_up)) = self.context.gpu.shared().frame_timeout.get() else { return wait(u64::MAX) };
+        wait(limit.as_nanos().try_into().unwrap_or(u64::MAX)).or_else(|result| {
+            if result != vk::Result::TIMEOUT {
+                return Err(result);
+            }
+            let passes: Vec<&str> = self.passes.iter().map(|(name, _)| name.as_str()).collect();
+            give_up(&format!(
+                "a frame was not done in {} s, so that a shader of it may run forever; its passes: {}",
+                limit.as_secs_f64(),
+                passes.join(", ")
+            ));
+            wait(u64::MAX)
+        })
     }
 
     /// Ends a frame in a caller's command buffer, which the caller submits. The report says what was recorded; the times are
@@ -309,11 +314,11 @@ impl Frame<'_> {
         self.stamp()?;
         self.undo.0.clear();
         self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
-        Ok(self.recorded())
+        Ok(self.report())
     }
 
     /// Reports the recorded and the skipped passes; the slot keeps the names of timed passes.
-    fn recorded(&mut self) -> FrameReport {
+    fn report(&mut self) -> FrameReport {
         let passes = std::mem::take(&mut self.passes);
         let recorded = passes.iter().map(|(name, _)| name.clone()).collect();
         if self.mode == Mode::Timed {
@@ -329,7 +334,7 @@ impl Frame<'_> {
     /// Records a pass: label, timestamps and statistics around the commands that `record` records.
     fn pass(&mut self, name: &str, record: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let commands = self.context.commands;
-        let name = format!("{}{name}", self.stage);
+        let name = format!("{}{name}", self.prefix);
         self.context.gpu.begin_label(commands, &name);
         if self.mode == Mode::Timed {
             self.full_barrier();
@@ -351,7 +356,7 @@ impl Frame<'_> {
     /// Notes which pipeline a pass runs, on a device that tells what its compiler made.
     fn note_program(&self, pass: &str, pipeline: &Arc<SharedPipeline>) {
         if let Some(executables) = &self.context.gpu.shared().executables {
-            executables.note(&format!("{}{pass}", self.stage), self.counted, pipeline);
+            executables.note(&format!("{}{pass}", self.prefix), self.counted, pipeline);
         }
     }
 
@@ -401,7 +406,7 @@ impl Frame<'_> {
     /// Collects the barriers that make the levels of a slice ready for an access.
     fn use_image(&mut self, slice: ImageSlice, access: Access) {
         for (level, state) in slice.states() {
-            let transition = step(&mut self.undo, state, access);
+            let transition = change_state(&mut self.undo, state, access);
             self.image_barrier(slice.image(), level, transition);
         }
     }
@@ -426,7 +431,7 @@ impl Frame<'_> {
 
     /// Collects the barrier that makes a buffer ready for an access.
     fn use_buffer(&mut self, buffer: &Buffer, access: Access) {
-        if let Some(t) = step(&mut self.undo, buffer.state(), access) {
+        if let Some(t) = change_state(&mut self.undo, buffer.state(), access) {
             self.pending.buffers.push(
                 vk::BufferMemoryBarrier2::default()
                     .src_stage_mask(t.src_stages)
@@ -455,7 +460,7 @@ impl Frame<'_> {
 }
 
 /// Changes a tracked state to an access, and returns the barrier that the change needs. `undo` keeps the earlier state.
-fn step(undo: &mut Undo, state: &TrackedState, access: Access) -> Option<Transition> {
+fn change_state(undo: &mut Undo, state: &TrackedState, access: Access) -> Option<Transition> {
     let mut current = state.get();
     undo.0.push((state.clone(), current));
     let transition = current.transition(access);

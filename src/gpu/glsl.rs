@@ -53,7 +53,7 @@ pub fn files(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, String>
 }
 
 #[cfg(feature = "compile-shaders")]
-fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
+fn shader_kind(path: &Path) -> Option<shaderc::ShaderKind> {
     match path.extension()?.to_str()? {
         "vert" => Some(shaderc::ShaderKind::Vertex),
         "frag" => Some(shaderc::ShaderKind::Fragment),
@@ -76,8 +76,8 @@ pub struct NamedProgram {
 impl NamedProgram {
     /// Returns the compute permutation of this fragment program, with further macros.
     pub fn in_compute(&self, defines: &[String]) -> Self {
-        let own = [self.defines.clone(), vec![COMPUTE.to_owned()]].concat();
-        Self { defines: [&own[..], defines].concat(), ..self.clone() }
+        let defines = [&self.defines[..], &[COMPUTE.to_owned()], defines].concat();
+        Self { defines, ..self.clone() }
     }
 }
 
@@ -130,7 +130,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
             continue;
         }
         let list = pragma.trim().strip_prefix("program(").and_then(|rest| rest.strip_suffix(')'));
-        let program = list.and_then(named).ok_or_else(|| {
+        let program = list.and_then(read_program).ok_or_else(|| {
             format!(
                 "{}:{}: {text:?} should be `#pragma program(Name)`, `#pragma program(Name, DEFINED, …)` or \
                  `#pragma program(Name: RaySource, DEFINED, …)`",
@@ -144,7 +144,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
 }
 
 /// Reads the text in the brackets of `#pragma program(…)`, such as `Name: RaySource, DEFINED`; `None` for a wrong form.
-fn named(list: &str) -> Option<NamedProgram> {
+fn read_program(list: &str) -> Option<NamedProgram> {
     let (rays, list) = match list.split_once(':') {
         None => (None, list.to_owned()),
         Some((name, _)) if name.contains(',') => return None,
@@ -239,7 +239,7 @@ pub fn compile<D: AsRef<str>>(
         Ok(shaderc::ResolvedInclude { resolved_name: path.to_string_lossy().into_owned(), content })
     });
     let is_compute = defines.iter().any(|define| define.as_ref() == COMPUTE);
-    let stage = if is_compute { shaderc::ShaderKind::Compute } else { kind(path).ok_or("not a stage")? };
+    let stage = if is_compute { shaderc::ShaderKind::Compute } else { shader_kind(path).ok_or("not a stage")? };
     let words = compiler
         .compile_into_spirv(&source, stage, &path.to_string_lossy(), "main", Some(&options))
         .map(|artifact| artifact.as_binary().to_vec())

@@ -88,9 +88,14 @@ enum Kind {
     Volume(u32),
 }
 
-impl ImageDesc<'_> {
+impl<'a> ImageDesc<'a> {
+    /// Describes an image of one level and one layer.
+    pub fn one_level(name: &'a str, format: vk::Format, extent: [u32; 2], usage: vk::ImageUsageFlags) -> Self {
+        Self { name, format, extent, levels: 1, layers: 1, usage }
+    }
+
     /// The longest side that the image may have. Limits of viewports and framebuffers hold for images drawn into.
-    fn largest(&self, gpu: &Gpu) -> u32 {
+    fn max_side(&self, gpu: &Gpu) -> u32 {
         use vk::ImageUsageFlags as U;
         let is_drawn = self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT);
         if is_drawn { gpu.max_image_size() } else { gpu.shared().limits.max_image_dimension2_d }
@@ -104,7 +109,7 @@ impl Image {
     /// [`Error::Usage`] for a size of 0 or beyond the device's limit; [`Error::Memory`] without memory.
     pub fn new(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
         let [width, height] = desc.extent;
-        let limit = desc.largest(gpu);
+        let limit = desc.max_side(gpu);
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(Error::Usage(format!(
                 "{}: an image of {width}x{height} is impossible: each side must be 1 to {limit} on {}",
@@ -134,7 +139,7 @@ impl Image {
 
     /// Checks the size, and makes an image whose layers are images or cube maps.
     fn layered(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
-        let ([width, height], limit, layers) = (desc.extent, desc.largest(gpu), gpu.max_image_layers());
+        let ([width, height], limit, layers) = (desc.extent, desc.max_side(gpu), gpu.max_image_layers());
         if width == 0 || height == 0 || width > limit || height > limit || desc.layers > layers {
             return Err(Error::Usage(format!(
                 "{}: an array of {} images of {width}x{height} is impossible: each side must be 1 to {limit}, and \
@@ -190,7 +195,7 @@ impl Image {
         // Every device can store to these formats, and on some devices a load costs less than a sample.
         let is_loaded = [vk::Format::R16G16B16A16_SFLOAT, vk::Format::R32G32B32A32_UINT].contains(&format);
         let usage = if is_loaded { usage | U::STORAGE } else { usage };
-        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+        Self::new(gpu, &ImageDesc::one_level(name, format, extent, usage))
     }
 
     /// Makes an image like that of [`Self::target`], which programs of a shader stage write.
@@ -200,7 +205,7 @@ impl Image {
             return Self::target(gpu, name, format, extent);
         }
         let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+        Self::new(gpu, &ImageDesc::one_level(name, format, extent, usage))
     }
 
     /// Wraps an image of a swapchain, which has one level and no views, and which the swapchain destroys.
@@ -210,7 +215,7 @@ impl Image {
     }
 
     /// Wraps one level, with one layer or the six of a cube, of a caller's image. Image and view must outlive this object.
-    pub fn of_others(
+    pub fn borrowed(
         gpu: &Gpu,
         name: &str,
         (handle, view): (vk::Image, vk::ImageView),
@@ -403,7 +408,6 @@ impl OwnedImage {
         }
     }
 
-    /// Makes a view of a range of the image.
     fn view(&self, kind: vk::ImageViewType, range: vk::ImageSubresourceRange) -> Result<vk::ImageView> {
         let info = vk::ImageViewCreateInfo::default()
             .image(self.handle)

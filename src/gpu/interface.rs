@@ -73,7 +73,7 @@ impl Interface {
     pub fn from_words(words: &[u32], name: &str) -> Result<Self, String> {
         let (words, local_size) = without_local_size_ids(words);
         let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
-        Reflection::new(&module, name, local_size).interface()
+        Reflection::new(&module, name, local_size).read_interface()
     }
 }
 
@@ -95,22 +95,28 @@ fn format_name(format: ImageFormat) -> Option<&'static str> {
 /// Returns the words of a module without OpExecutionModeId, which rspirv's loader does not know, and the ids of the
 /// three constants of LocalSizeId, the only mode for which SPIR-V 1.6 uses this instruction.
 fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
-    const HEADER: usize = 5; // words; in the first word of an instruction, the upper half is its length in words
-    let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
-    let mut offset = HEADER;
+    const HEADER_WORDS: usize = 5;
+    let (mut other_words, mut size_ids) = (words[..HEADER_WORDS].to_vec(), None);
+    let mut offset = HEADER_WORDS;
     while offset < words.len() {
+        // The upper half of an instruction's first word is the instruction's length in words.
         let instruction = &words[offset..offset + (words[offset] >> 16).max(1) as usize];
         offset += instruction.len();
         match *instruction {
             [head, _, mode, x, y, z]
                 if head & 0xffff == Op::ExecutionModeId as u32 && mode == ExecutionMode::LocalSizeId as u32 =>
             {
-                found = Some([x, y, z]);
+                size_ids = Some([x, y, z]);
             }
-            _ => kept.extend_from_slice(instruction),
+            _ => other_words.extend_from_slice(instruction),
         }
     }
-    (kept, found)
+    (other_words, size_ids)
+}
+
+/// Returns the number that follows a decoration; 0 if none does.
+fn number_or_zero(operands: &[Operand]) -> u32 {
+    if let [Operand::LiteralBit32(number), ..] = operands { *number } else { 0 }
 }
 
 /// A block's Rust twin.
@@ -159,31 +165,20 @@ impl<'a> Reflection<'a> {
             (Op::Decorate, [Operand::IdRef(target), Operand::Decoration(d), rest @ ..])
                 if *target == id && *d == wanted =>
             {
-                Some(match rest {
-                    [Operand::LiteralBit32(number), ..] => *number,
-                    _ => 0,
-                })
+                Some(number_or_zero(rest))
             }
             _ => None,
         })
     }
 
+    /// Returns the number of a decoration of a struct's member, as [`Self::decoration`] does for an id.
     fn member_decoration(&self, id: Word, member: u32, wanted: Decoration) -> Option<u32> {
         self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
             (
                 Op::MemberDecorate,
-                [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), Operand::LiteralBit32(v)],
-            ) if *target == id && *m == member && *d == wanted => Some(*v),
+                [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), rest @ ..],
+            ) if *target == id && *m == member && *d == wanted => Some(number_or_zero(rest)),
             _ => None,
-        })
-    }
-
-    fn is_member_decorated(&self, id: Word, member: u32, wanted: Decoration) -> bool {
-        self.module.annotations.iter().any(|i| match (i.class.opcode, i.operands.as_slice()) {
-            (Op::MemberDecorate, [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), ..]) => {
-                *target == id && *m == member && *d == wanted
-            }
-            _ => false,
         })
     }
 
@@ -221,7 +216,7 @@ impl<'a> Reflection<'a> {
     }
 
     /// Reads bindings, push constants, outputs, constants and blocks off the module.
-    fn interface(&self) -> Result<Interface, String> {
+    fn read_interface(&self) -> Result<Interface, String> {
         let mut found = Interface {
             bindings: Vec::new(),
             push: None,
@@ -242,15 +237,15 @@ impl<'a> Reflection<'a> {
             let name = own_name.unwrap_or(&block).clone();
             let is_block = matches!(class, StorageClass::Uniform | StorageClass::PushConstant);
             if is_block && self.definition(pointee).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
-                self.collect(pointee, &mut found.blocks)?;
+                self.add_structs(pointee, &mut found.blocks)?;
             }
             if class == StorageClass::PushConstant {
-                found.push = Some(PushBlock { name, block, size: self.struct_of(pointee)?.size });
+                found.push = Some(PushBlock { name, block, size: self.struct_layout(pointee)?.size });
                 continue;
             }
             if is_fragment && class == StorageClass::Output {
                 if let Some(location) = self.decoration(id, Decoration::Location) {
-                    outputs.insert(location, (name, self.component(pointee)?));
+                    outputs.insert(location, (name, self.component_type(pointee)?));
                 }
                 continue;
             }
@@ -303,7 +298,7 @@ impl<'a> Reflection<'a> {
             Some(d) if d.class.opcode == Op::TypeStruct => self.members(pointee).len() as u32,
             _ => 0,
         };
-        let is_read_only = |member| self.is_member_decorated(pointee, member, Decoration::NonWritable);
+        let is_read_only = |member| self.member_decoration(pointee, member, Decoration::NonWritable).is_some();
         (members > 0 && (0..members).all(is_read_only)) || self.decoration(id, Decoration::NonWritable).is_some()
     }
 
@@ -319,37 +314,37 @@ impl<'a> Reflection<'a> {
                 Some(Operand::LiteralBit32(bits)) => *bits,
                 _ => u32::from(i.class.opcode == Op::SpecConstantTrue),
             };
-            found.push(Constant { id, name, ty: self.component(ty)?, default });
+            found.push(Constant { id, name, ty: self.component_type(ty)?, default });
         }
         found.sort();
         Ok(found)
     }
 
     /// Returns the Rust type of a scalar, or of a vector's component.
-    fn component(&self, id: Word) -> Result<&'static str, String> {
+    fn component_type(&self, id: Word) -> Result<&'static str, String> {
         let d = self.definition(id).ok_or("no type")?;
         Ok(match d.class.opcode {
             Op::TypeBool => "bool",
             Op::TypeFloat => "f32",
             Op::TypeInt if d.operands.get(1) == Some(&Operand::LiteralBit32(1)) => "i32",
             Op::TypeInt => "u32",
-            Op::TypeVector => self.component(self.operand_id(id, 0)?)?,
+            Op::TypeVector => self.component_type(self.operand_id(id, 0)?)?,
             other => return Err(format!("{}: an output or a constant of type {other:?}", self.name)),
         })
     }
 
     /// Adds a struct, and the structs that its members are made of, to `structs` by their names.
-    fn collect(&self, id: Word, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
+    fn add_structs(&self, id: Word, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
         for member in self.members(id) {
             let mut ty = member;
             while self.definition(ty).is_some_and(|d| d.class.opcode == Op::TypeArray) {
                 ty = self.operand_id(ty, 0)?;
             }
             if self.definition(ty).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
-                self.collect(ty, structs)?;
+                self.add_structs(ty, structs)?;
             }
         }
-        structs.insert(self.names.get(&id).cloned().unwrap_or_default(), self.struct_of(id)?);
+        structs.insert(self.names.get(&id).cloned().unwrap_or_default(), self.struct_layout(id)?);
         Ok(())
     }
 
@@ -360,7 +355,7 @@ impl<'a> Reflection<'a> {
     }
 
     /// Returns the fields of a struct with their offsets, and the struct's size.
-    fn struct_of(&self, id: Word) -> Result<Block, String> {
+    fn struct_layout(&self, id: Word) -> Result<Block, String> {
         let mut fields = Vec::new();
         let (mut end, mut align) = (0, 4);
         for (member, ty) in self.members(id).into_iter().enumerate() {
@@ -406,7 +401,7 @@ impl<'a> Reflection<'a> {
                 (format!("[{inner}; {n}]"), n * size, align.max(16))
             }
             Op::TypeStruct => {
-                let block = self.struct_of(id)?;
+                let block = self.struct_layout(id)?;
                 let size = block.size.div_ceil(16) * 16;
                 if size != block.size {
                     return Err(format!("{}: pad the nested struct to 16 bytes", self.name));

@@ -8,13 +8,11 @@ use ash::vk;
 /// The most descriptors of one kind that a descriptor set has.
 pub(super) const MAX_DESCRIPTORS: u32 = 32;
 
-/// Checks that a device can run the shaders of one pipeline; `bindings` are those of all its shaders.
-///
-/// # Errors
-/// [`Error::NoDevice`] with the shader and the limit that it exceeds.
+/// Checks that a device can run the shaders of one pipeline; `bindings` are those of all its shaders. The error names
+/// the shader and the limit that it exceeds.
 pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Result<()> {
     let Some(shader) = shaders.last() else { return Ok(()) };
-    match excess(&gpu.shared().limits, shader.local_size, bindings) {
+    match first_excess(&gpu.shared().limits, shader.local_size, bindings) {
         None => Ok(()),
         Some((what, has, most)) => Err(Error::NoDevice(format!(
             "the shader {} has {has} {what}; {} takes at most {most}",
@@ -25,7 +23,7 @@ pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Res
 }
 
 /// Finds the first limit that a stage or its workgroup exceeds: what is limited, the number there is, and the limit.
-fn excess(
+fn first_excess(
     limits: &vk::PhysicalDeviceLimits,
     local_size: [u32; 3],
     bindings: &[Binding],
@@ -74,11 +72,11 @@ mod tests {
             ..vk::PhysicalDeviceLimits::default()
         };
         let bindings = [binding(BindingKind::SampledImage, 16), binding(BindingKind::SampledImage, 3)];
-        assert_eq!(excess(&limits, [1; 3], &bindings[..1]), None);
-        assert_eq!(excess(&limits, [1; 3], &bindings), Some(("sampled images", 19, 16)));
+        assert_eq!(first_excess(&limits, [1; 3], &bindings[..1]), None);
+        assert_eq!(first_excess(&limits, [1; 3], &bindings), Some(("sampled images", 19, 16)));
         limits.max_per_stage_descriptor_samplers = 64;
-        assert_eq!(excess(&limits, [16, 16, 1], &bindings), Some(("threads a workgroup", 256, 128)));
+        assert_eq!(first_excess(&limits, [16, 16, 1], &bindings), Some(("threads a workgroup", 256, 128)));
         let images = [binding(BindingKind::StorageImage, 5)];
-        assert_eq!(excess(&limits, [1; 3], &images), Some(("storage images", 5, 4)));
+        assert_eq!(first_excess(&limits, [1; 3], &images), Some(("storage images", 5, 4)));
     }
 }

@@ -36,7 +36,7 @@ pub enum DispatchSize<'a> {
 ///
 /// # Errors
 /// [`Error::Usage`] for a binding of a kind that is not known here.
-pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'static Shader> {
+pub fn make_shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'static Shader> {
     let name: &'static str = name.leak();
     let kind = |kind: &str| match kind {
         "SampledImage" => Ok(BindingKind::SampledImage),
@@ -122,13 +122,6 @@ impl Frame<'_> {
         push: &[u8],
         dispatch_size: DispatchSize,
     ) -> Result<()> {
-        let size = program.pipeline.local_size;
-        let dispatch_size = match dispatch_size {
-            DispatchSize::Threads(threads) => {
-                DispatchSize::Workgroups([0, 1, 2].map(|i| threads[i].div_ceil(size[i].max(1))))
-            }
-            other => other,
-        };
         self.compute_loose(name, &program.pipeline, (program.shader.bindings, resources, push), dispatch_size)
     }
 }

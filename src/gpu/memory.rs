@@ -5,7 +5,7 @@ use super::sync::TrackedState;
 use crate::error::{Error, Result};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{self as ours, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::vulkan::{AllocationCreateDesc, AllocationScheme, Allocator};
 use std::ptr::NonNull;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -71,21 +71,22 @@ unsafe impl Send for MemoryBlock {}
 unsafe impl Sync for MemoryBlock {}
 
 /// The allocator of a device's memory.
-pub(super) enum Source {
+pub(super) enum MemorySource {
     /// The crate's own allocator.
-    Ours(Box<Mutex<ours::Allocator>>),
+    Ours(Box<Mutex<Allocator>>),
     /// The caller's allocator.
-    ForeignGBuffer(Mutex<Box<dyn DeviceMemory>>),
+    Callers(Mutex<Box<dyn DeviceMemory>>),
 }
 
 /// Memory of an image or a buffer.
 pub(super) enum Allocation {
-    Ours(ours::Allocation),
+    /// Memory from the crate's own allocator.
+    Ours(gpu_allocator::vulkan::Allocation),
     /// A block of the caller's allocator, and its size in bytes.
-    ForeignGBuffer(MemoryBlock, u64),
+    Callers(MemoryBlock, u64),
 }
 
-impl Source {
+impl MemorySource {
     /// Bytes that are allocated, and bytes of the blocks that hold them; both are 0 for a caller's allocator.
     pub fn bytes(&self) -> (u64, u64) {
         let Self::Ours(allocator) = self else { return (0, 0) };
@@ -116,9 +117,9 @@ impl Source {
                 })
                 .map(Allocation::Ours)
                 .map_err(|e| e.to_string()),
-            Self::ForeignGBuffer(allocator) => {
+            Self::Callers(allocator) => {
                 let block = locked(allocator).allocate(name, &requirements, place, linear)?;
-                Ok(Allocation::ForeignGBuffer(block, requirements.size))
+                Ok(Allocation::Callers(block, requirements.size))
             }
         }
     }
@@ -131,7 +132,7 @@ impl Source {
                     tracing::error!("device memory could not be freed: {e}");
                 }
             }
-            (Self::ForeignGBuffer(allocator), Allocation::ForeignGBuffer(block, _)) => locked(allocator).free(block),
+            (Self::Callers(allocator), Allocation::Callers(block, _)) => locked(allocator).free(block),
             _ => unreachable!("a device has one source of memory"),
         }
     }
@@ -146,14 +147,14 @@ impl Allocation {
         match self {
             // SAFETY: the memory is bound, and freed through this allocation alone.
             Self::Ours(allocation) => unsafe { allocation.memory() },
-            Self::ForeignGBuffer(block, _) => block.memory,
+            Self::Callers(block, _) => block.memory,
         }
     }
 
     pub fn offset(&self) -> u64 {
         match self {
             Self::Ours(allocation) => allocation.offset(),
-            Self::ForeignGBuffer(block, _) => block.offset,
+            Self::Callers(block, _) => block.offset,
         }
     }
 
@@ -161,7 +162,7 @@ impl Allocation {
     fn bytes(&self) -> Option<&[u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice(),
-            Self::ForeignGBuffer(block, size) => {
+            Self::Callers(block, size) => {
                 let size = *size as usize;
                 // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
                 block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts(pointer.as_ptr(), size) })
@@ -172,7 +173,7 @@ impl Allocation {
     fn bytes_mut(&mut self) -> Option<&mut [u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice_mut(),
-            Self::ForeignGBuffer(block, size) => {
+            Self::Callers(block, size) => {
                 let size = *size as usize;
                 // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
                 block.mapped.map(|pointer| unsafe { std::slice::from_raw_parts_mut(pointer.as_ptr(), size) })
@@ -227,16 +228,16 @@ impl Buffer {
             .as_ref()
             .and_then(|allocation| allocation.bytes())
             .map(|bytes| &bytes[..self.size as usize])
-            .ok_or_else(|| self.unmapped())
+            .ok_or_else(|| self.unmapped_error())
     }
 
     /// The bytes of an upload buffer, for the host to write.
     pub fn bytes_mut(&mut self) -> Result<&mut [u8]> {
-        let (size, error) = (self.size as usize, self.unmapped());
+        let (size, error) = (self.size as usize, self.unmapped_error());
         self.allocation.as_mut().and_then(|a| a.bytes_mut()).map(|s| &mut s[..size]).ok_or(error)
     }
 
-    fn unmapped(&self) -> Error {
+    fn unmapped_error(&self) -> Error {
         Error::Memory { what: self.name.clone(), message: "the buffer is not visible to the host".into() }
     }
 
@@ -295,7 +296,7 @@ impl TexelBuffer {
         vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER.as_raw() | vk::BufferUsageFlags::STORAGE_BUFFER.as_raw(),
     );
 
-    /// Whether the view shows all texels, so that shaders can read them through it.
+    /// Whether the view shows all texels, so that shaders can read them through the view.
     pub fn is_whole(&self) -> bool {
         self.is_whole
     }
@@ -317,7 +318,6 @@ impl Drop for TexelBuffer {
     }
 }
 
-/// Allocates memory for a resource, with the resource's name.
 pub(super) fn allocate(
     gpu: &Gpu,
     name: &str,
@@ -330,7 +330,6 @@ pub(super) fn allocate(
         .map_err(|message| Error::Memory { what: name.to_owned(), message })
 }
 
-/// Gives memory back.
 pub(super) fn release(gpu: &Gpu, allocation: Option<Allocation>) {
     if let Some(allocation) = allocation {
         gpu.memory().free(allocation);

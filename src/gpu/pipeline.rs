@@ -9,8 +9,8 @@ use super::limits;
 use super::pipelines::{Key, VerticesKey};
 use super::pixels::ShaderStage;
 use super::program::{
-    self, Fragment, Permutation, PermutationChoice, Program, RaySource, VertexProgram, entries, permutation,
-    permutations_agree,
+    self, Fragment, Permutation, PermutationChoice, Program, RaySource, VertexProgram, constant_entries,
+    find_permutation, permutations_agree,
 };
 use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
@@ -170,14 +170,14 @@ impl<F: Fragment> GraphicsPipeline<F> {
     where
         F: Program<Constants = ()>,
     {
-        Self::fullscreen_by(gpu, None, targets, &())
+        Self::fullscreen_for_rays(gpu, None, targets, &())
     }
 
     /// Makes a full-screen pipeline of a program's permutation for a source of rays, with specialization constants.
     ///
     /// # Errors
     /// [`Error::Usage`] if the program has no permutation with this source.
-    pub fn fullscreen_by(
+    pub fn fullscreen_for_rays(
         gpu: &Gpu,
         rays: Option<RaySource>,
         targets: F::Outputs<vk::Format>,
@@ -246,8 +246,9 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         depth: Option<DepthState>,
     ) -> Result<Self> {
         const { assert!(permutations_agree(F::PERMUTATIONS, V::SHADER), "the stages disagree on a binding") };
-        let chosen = permutation::<F>(PermutationChoice { stage: ShaderStage::Fragment, rays }, targets.as_ref())?;
-        let (fragment, constants) = (chosen.shader, entries(chosen, constants));
+        let choice = PermutationChoice { stage: ShaderStage::Fragment, rays };
+        let chosen = find_permutation::<F>(choice, targets.as_ref())?;
+        let (fragment, constants) = (chosen.shader, constant_entries(chosen, constants));
         let stages = Stages { vertex: V::SHADER, fragment, constants: &constants };
         let graphics = SharedPipeline::graphics(gpu, &stages, &geometry, targets.as_ref(), depth)?;
         Ok(Self { graphics, fragment, _gpu: gpu.clone(), programs: PhantomData })
@@ -276,10 +277,9 @@ impl SharedPipeline {
                 Geometry::Triangles(Some(input)) => VerticesKey::Meshes(input.stride, input.attributes.to_vec()),
             },
         };
-        gpu.kept_pipeline(key, || Self::new_graphics(gpu, stages, geometry, targets, depth))
+        gpu.cached_pipeline(key, || Self::new_graphics(gpu, stages, geometry, targets, depth))
     }
 
-    /// Compiles a graphics pipeline.
     fn new_graphics(
         gpu: &Gpu,
         &Stages { vertex, fragment, constants }: &Stages,
@@ -354,7 +354,7 @@ impl SharedPipeline {
             rendering = rendering.stencil_attachment_format(depth.format);
         }
         let info = vk::GraphicsPipelineCreateInfo::default()
-            .flags(captured(gpu))
+            .flags(creation_flags(gpu))
             .stages(&stages)
             .vertex_input_state(&vertex_state)
             .input_assembly_state(&assembly)
@@ -368,7 +368,7 @@ impl SharedPipeline {
             .push_next(&mut rendering);
         // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
         let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let handle = first(made, fragment.name)?;
+        let handle = only_pipeline(made, fragment.name)?;
         gpu.name(handle, fragment.name);
         let constants = constants.to_vec();
         Ok(Self { layout, handle, name: fragment.name, constants, local_size: [0; 3], settled: Arc::default() })
@@ -384,22 +384,21 @@ impl SharedPipeline {
     pub(super) fn compute(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
         let key = Key { shaders: [Some(shader.name), None], constants, ..Key::default() };
         let constants = key.constants.clone();
-        gpu.kept_pipeline(key, || Self::new_compute(gpu, shader, &constants))
+        gpu.cached_pipeline(key, || Self::new_compute(gpu, shader, &constants))
     }
 
-    /// Compiles a compute pipeline.
     fn new_compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
         let (entries, values) = specialization(constants);
         let specialized = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let info = vk::ComputePipelineCreateInfo::default()
-            .flags(captured(gpu))
+            .flags(creation_flags(gpu))
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialized))
             .layout(layout.pipeline);
         // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
         let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let handle = first(made, shader.name)?;
+        let handle = only_pipeline(made, shader.name)?;
         gpu.name(handle, shader.name);
         let (constants, local_size) = (constants.to_vec(), shader.local_size);
         Ok(Self { layout, handle, name: shader.name, constants, local_size, settled: Arc::default() })
@@ -431,30 +430,30 @@ impl<P: program::Compute> ComputePipeline<P> {
     where
         P: Program<Constants = ()>,
     {
-        Self::with(gpu, &())
+        Self::with_constants(gpu, &())
     }
 
     /// Makes the pipeline of a program with specialization constants.
-    pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
-        Self::of_permutation(gpu, permutation::<P>(ShaderStage::Compute.into(), &[])?, constants)
+    pub fn with_constants(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
+        Self::of_permutation(gpu, find_permutation::<P>(ShaderStage::Compute.into(), &[])?, constants)
     }
 
     /// Makes the pipeline of the permutation of a program with a source of rays.
     ///
     /// # Errors
     /// [`Error::Usage`] if the program has no permutation with this source.
-    pub fn by(gpu: &Gpu, rays: RaySource, constants: &P::Constants) -> Result<Self> {
-        Self::of_permutation(gpu, permutation::<P>(PermutationChoice::compute(rays), &[])?, constants)
+    pub fn for_rays(gpu: &Gpu, rays: RaySource, constants: &P::Constants) -> Result<Self> {
+        Self::of_permutation(gpu, find_permutation::<P>(PermutationChoice::compute(rays), &[])?, constants)
     }
 
     fn of_permutation(gpu: &Gpu, permutation: &Permutation, constants: &P::Constants) -> Result<Self> {
-        let compute = SharedPipeline::compute(gpu, permutation.shader, entries(permutation, constants))?;
+        let compute = SharedPipeline::compute(gpu, permutation.shader, constant_entries(permutation, constants))?;
         Ok(Self { compute, shader: permutation.shader, _gpu: gpu.clone(), program: PhantomData })
     }
 }
 
 /// Returns the creation flags of a pipeline. On a device that only compiles, they keep the compiler's statistics.
-fn captured(gpu: &Gpu) -> vk::PipelineCreateFlags {
+fn creation_flags(gpu: &Gpu) -> vk::PipelineCreateFlags {
     match gpu.shared().executables {
         Some(_) => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
         None => vk::PipelineCreateFlags::empty(),
@@ -473,7 +472,7 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
 }
 
 /// Returns the one pipeline that a call made, or the call's error with the pipeline's name.
-fn first(
+fn only_pipeline(
     made: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
     name: &str,
 ) -> Result<vk::Pipeline> {

@@ -9,19 +9,19 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The number of kept pipelines. Above it, each new one replaces the unused one that was least recently asked for.
-const KEPT: usize = 512;
+/// The most pipelines that are kept, unless more are in use. A new one then replaces the unused one that was asked for least recently.
+const PIPELINE_LIMIT: usize = 512;
 
 /// The compiled pipelines that a device keeps.
 #[derive(Default)]
 pub(crate) struct Pipelines(Mutex<KeyedCache<Key, SharedPipeline>>);
 
-/// A cache of shared values (`things`), each under a key.
+/// A cache of shared values, each under a key.
 struct KeyedCache<K, T> {
-    /// By key: the value of `asked` when the thing was last asked for, and the thing.
-    things: HashMap<K, (u64, Arc<T>)>,
-    /// Number of times that somebody asked for a thing.
-    asked: u64,
+    /// By key: the number of the last request for the value, and the value.
+    values: HashMap<K, (u64, Arc<T>)>,
+    /// The number of requests so far, for any value.
+    requests: u64,
 }
 
 /// The properties in which two pipelines may differ.
@@ -50,7 +50,7 @@ pub(super) enum VerticesKey {
 
 impl Gpu {
     /// Returns the pipeline that is kept under a key, or keeps the one that `make` compiles.
-    pub(super) fn kept_pipeline(
+    pub(super) fn cached_pipeline(
         &self,
         key: Key,
         make: impl FnOnce() -> Result<SharedPipeline>,
@@ -82,42 +82,42 @@ impl Pipelines {
 
     /// Destroys all pipelines, before their device is destroyed.
     pub fn clear(&mut self) {
-        self.0.get_mut().unwrap_or_else(PoisonError::into_inner).things.clear();
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner).values.clear();
     }
 }
 
 impl<K, T> Default for KeyedCache<K, T> {
     fn default() -> Self {
-        Self { things: HashMap::new(), asked: 0 }
+        Self { values: HashMap::new(), requests: 0 }
     }
 }
 
 impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
-    /// Returns the thing under a key, if there is one, and notes that somebody asked for it.
+    /// Returns the value under a key, if there is one, and counts the request.
     fn get(&mut self, key: &K) -> Option<Arc<T>> {
-        self.asked += 1;
-        let (asked, thing) = self.things.get_mut(key)?;
-        *asked = self.asked;
-        Some(Arc::clone(thing))
+        self.requests += 1;
+        let (last_request, value) = self.values.get_mut(key)?;
+        *last_request = self.requests;
+        Some(Arc::clone(value))
     }
 
-    /// Keeps a thing that was made, or returns the kept one if another thread was faster.
+    /// Keeps a value that was made, or returns the kept one if another thread was faster.
     fn insert(&mut self, key: K, made: Arc<T>) -> Arc<T> {
         if let Some(kept) = self.get(&key) {
             return kept;
         }
-        if self.things.len() >= KEPT {
-            let unused = self.things.iter().filter(|(_, (_, thing))| Arc::strong_count(thing) == 1);
-            let oldest = unused.min_by_key(|(_, (asked, _))| *asked).map(|(key, _)| key.clone());
-            oldest.and_then(|key| self.things.remove(&key));
+        if self.values.len() >= PIPELINE_LIMIT {
+            let unused = self.values.iter().filter(|(_, (_, value))| Arc::strong_count(value) == 1);
+            let oldest = unused.min_by_key(|(_, (last_request, _))| *last_request).map(|(key, _)| key.clone());
+            oldest.and_then(|key| self.values.remove(&key));
         }
-        self.things.insert(key, (self.asked, Arc::clone(&made)));
+        self.values.insert(key, (self.requests, Arc::clone(&made)));
         made
     }
 
-    /// Drops the things that nobody uses now.
+    /// Drops the values that nobody uses now.
     fn trim(&mut self) {
-        self.things.retain(|_, (_, thing)| Arc::strong_count(thing) > 1);
+        self.values.retain(|_, (_, value)| Arc::strong_count(value) > 1);
     }
 }
 
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_key_has_one_thing_however_many_ask() {
+    fn one_key_has_one_value_however_many_ask() {
         let mut kept = KeyedCache::default();
         let first = kept.insert("a", Arc::new(1));
         assert!(Arc::ptr_eq(&first, &kept.insert("a", Arc::new(2))));
@@ -138,23 +138,23 @@ mod tests {
     fn the_one_that_was_unused_longest_goes_first() {
         let mut kept = KeyedCache::default();
         let used = kept.insert(0, Arc::new(0));
-        (1..KEPT).for_each(|n| drop(kept.insert(n, Arc::new(n))));
-        // Asked for again, so that 2 is the oldest that nobody uses.
+        (1..PIPELINE_LIMIT).for_each(|n| drop(kept.insert(n, Arc::new(n))));
+        // 1 is asked for again, so that 2 is the oldest that nobody uses.
         drop(kept.get(&1));
-        drop(kept.insert(KEPT, Arc::new(KEPT)));
-        assert_eq!(kept.things.len(), KEPT);
-        assert!([0, 1, 3, KEPT].iter().all(|n| kept.things.contains_key(n)) && !kept.things.contains_key(&2));
+        drop(kept.insert(PIPELINE_LIMIT, Arc::new(PIPELINE_LIMIT)));
+        assert_eq!(kept.values.len(), PIPELINE_LIMIT);
+        assert!([0, 1, 3, PIPELINE_LIMIT].iter().all(|n| kept.values.contains_key(n)) && !kept.values.contains_key(&2));
         kept.trim();
-        assert_eq!(kept.things.keys().collect::<Vec<_>>(), [&0]);
+        assert_eq!(kept.values.keys().collect::<Vec<_>>(), [&0]);
         drop(used);
         kept.trim();
-        assert!(kept.things.is_empty());
+        assert!(kept.values.is_empty());
     }
 
     #[test]
     fn more_are_kept_while_all_are_used() {
         let mut kept = KeyedCache::default();
-        let used: Vec<_> = (0..KEPT + 3).map(|n| kept.insert(n, Arc::new(n))).collect();
-        assert_eq!(kept.things.len(), used.len());
+        let used: Vec<_> = (0..PIPELINE_LIMIT + 3).map(|n| kept.insert(n, Arc::new(n))).collect();
+        assert_eq!(kept.values.len(), used.len());
     }
 }

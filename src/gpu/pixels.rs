@@ -5,7 +5,7 @@
 use super::device::Gpu;
 use super::image::{Image, ImageDesc};
 use super::pipeline::{GraphicsPipeline, SharedPipeline};
-use super::program::{InEitherStage, Permutation, PermutationChoice, RaySource, entries, permutation};
+use super::program::{InEitherStage, Permutation, PermutationChoice, RaySource, constant_entries, find_permutation};
 use crate::error::Result;
 use ash::vk;
 use std::marker::PhantomData;
@@ -62,7 +62,7 @@ impl<F: InEitherStage> PixelPipeline<F> {
     ) -> Result<Self> {
         Ok(Self(match stage {
             ShaderStage::Fragment => {
-                StagePipeline::Fragment(GraphicsPipeline::fullscreen_by(gpu, None, targets, constants)?)
+                StagePipeline::Fragment(GraphicsPipeline::fullscreen_for_rays(gpu, None, targets, constants)?)
             }
             ShaderStage::Compute => StagePipeline::Compute(StoringPipeline::new(gpu, None, &targets, constants)?),
         }))
@@ -81,7 +81,7 @@ impl<F: InEitherStage> StoringPipeline<F> {
         constants: &F::Constants,
     ) -> Result<Self> {
         let targets = targets.as_ref();
-        let chosen = permutation::<F>(PermutationChoice { stage: ShaderStage::Compute, rays }, targets)?;
+        let chosen = find_permutation::<F>(PermutationChoice { stage: ShaderStage::Compute, rays }, targets)?;
         let unwanted = |(target, (_binding, format)): (&vk::Format, &(u32, vk::Format))| {
             let is_unwanted = *target == vk::Format::UNDEFINED;
             is_unwanted.then(|| unwanted_image(gpu, *format)).transpose()
@@ -104,14 +104,13 @@ impl<F: InEitherStage> StoringPipeline<F> {
         unwanted: Arc<[Option<Image>]>,
         constants: &F::Constants,
     ) -> Result<Self> {
-        let pipeline = SharedPipeline::compute(gpu, permutation.shader, entries(permutation, constants))?;
+        let pipeline = SharedPipeline::compute(gpu, permutation.shader, constant_entries(permutation, constants))?;
         Ok(Self { pipeline, permutation, unwanted, _gpu: gpu.clone(), program: PhantomData })
     }
 }
 
 fn unwanted_image(gpu: &Gpu, format: vk::Format) -> Result<Image> {
-    let usage = vk::ImageUsageFlags::STORAGE;
-    Image::new(gpu, &ImageDesc { name: "unwanted output", format, extent: [1, 1], levels: 1, layers: 1, usage })
+    Image::new(gpu, &ImageDesc::one_level("unwanted output", format, [1, 1], vk::ImageUsageFlags::STORAGE))
 }
 
 #[cfg(test)]
@@ -121,7 +120,8 @@ mod tests {
 
     #[test]
     fn the_compute_program_is_that_of_the_targets_formats() {
-        let name = |format| permutation::<HiZ>(ShaderStage::Compute.into(), &[format]).map(|found| found.shader.name);
+        let name =
+            |format| find_permutation::<HiZ>(ShaderStage::Compute.into(), &[format]).map(|found| found.shader.name);
         let both = name(vk::Format::R32G32_SFLOAT).unwrap();
         let minimum = name(vk::Format::R32_SFLOAT).unwrap();
         assert_eq!((both, minimum), ("thesis/hi_z.frag COMPUTE", "thesis/hi_z.frag COMPUTE MINIMUM"));

@@ -127,11 +127,8 @@ impl<'a> Sampled<'a> {
 }
 
 /// Finds the permutation of a choice. A compute permutation that stands in for a fragment permutation must store to
-/// images of the formats `targets`, among which UNDEFINED fits every format.
-///
-/// # Errors
-/// [`Error::Usage`] if the program has no such permutation.
-pub(super) fn permutation<P: Program>(
+/// images of the formats `targets`, among which UNDEFINED fits every format. Fails if there is no such permutation.
+pub(super) fn find_permutation<P: Program>(
     choice: PermutationChoice,
     targets: &[vk::Format],
 ) -> Result<&'static Permutation> {
@@ -154,7 +151,7 @@ pub(super) fn permutation<P: Program>(
 }
 
 /// Returns id and bits of each specialization constant that a permutation has, sorted by id.
-pub(super) fn entries(permutation: &Permutation, constants: &impl Constants) -> Vec<(u32, u32)> {
+pub(super) fn constant_entries(permutation: &Permutation, constants: &impl Constants) -> Vec<(u32, u32)> {
     let mut entries = constants.entries();
     entries.retain(|(id, _)| permutation.constants.contains(id));
     entries.sort_unstable();
@@ -179,8 +176,8 @@ const fn bindings_agree(a: &Shader, b: &Shader) -> bool {
     while i < a.bindings.len() {
         let mut j = 0;
         while j < b.bindings.len() {
-            let (of_a, of_b) = (&a.bindings[i], &b.bindings[j]);
-            if of_a.binding == of_b.binding && (of_a.kind as u8 != of_b.kind as u8 || of_a.count != of_b.count) {
+            let (one, other) = (&a.bindings[i], &b.bindings[j]);
+            if one.binding == other.binding && (one.kind as u8 != other.kind as u8 || one.count != other.count) {
                 return false;
             }
             j += 1;

@@ -49,23 +49,23 @@ impl RayStructure {
             .vertex_stride(corners.stride)
             .max_vertex(count.saturating_mul(3).saturating_sub(1))
             .index_type(vk::IndexType::NONE_KHR);
-        let triangles = vk::AccelerationStructureGeometryKHR::default()
+        let geometry = vk::AccelerationStructureGeometryKHR::default()
             .geometry_type(vk::GeometryTypeKHR::TRIANGLES)
             .geometry(vk::AccelerationStructureGeometryDataKHR { triangles: data });
-        let lower = Build { kind: vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, geometry: triangles, count };
-        let (bottom, bottom_scratch) = Level::new(&gpu, &lower)?;
+        let bottom_build = Build { kind: vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, geometry, count };
+        let (bottom, bottom_scratch) = Level::new(&gpu, &bottom_build)?;
         let words = instance(bottom.address()?);
         let instances = Buffer::upload(&gpu, "ray instance", bytemuck::cast_slice(&words), Self::INPUT)?;
         let data = vk::AccelerationStructureGeometryInstancesDataKHR::default().data(address(instances.address()));
-        let placed = vk::AccelerationStructureGeometryKHR::default()
+        let geometry = vk::AccelerationStructureGeometryKHR::default()
             .geometry_type(vk::GeometryTypeKHR::INSTANCES)
             .geometry(vk::AccelerationStructureGeometryDataKHR { instances: data });
-        let upper = Build { kind: vk::AccelerationStructureTypeKHR::TOP_LEVEL, geometry: placed, count: 1 };
-        let (top, top_scratch) = Level::new(&gpu, &upper)?;
+        let top_build = Build { kind: vk::AccelerationStructureTypeKHR::TOP_LEVEL, geometry, count: 1 };
+        let (top, top_scratch) = Level::new(&gpu, &top_build)?;
 
         let mut frame = context.begin(Mode::Timed)?;
-        frame.build_rays("rays/bottom", &lower, (&bottom, &bottom_scratch), (corners.buffer, None))?;
-        frame.build_rays("rays/top", &upper, (&top, &top_scratch), (&instances, Some(&bottom)))?;
+        frame.build_rays("rays/bottom", &bottom_build, (&bottom, &bottom_scratch), (corners.buffer, None))?;
+        frame.build_rays("rays/top", &top_build, (&top, &top_scratch), (&instances, Some(&bottom)))?;
         let build_ms = frame.finish()?.passes.iter().map(|pass| pass.ms).sum();
         Ok(Self { top, bottom, build_ms })
     }

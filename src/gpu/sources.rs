@@ -69,21 +69,21 @@ pub fn code_that_fits(shader: &Shader, words: &[u32]) -> std::result::Result<Arc
 }
 
 /// Returns the folder that [`VARIABLE`] names, if it is set and not empty.
-pub fn named() -> Option<PathBuf> {
+pub fn named_folder() -> Option<PathBuf> {
     std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }
 
-/// The code of one of the program's own shaders, compiled from the folder that [`VARIABLE`] names; none without that
-/// variable. Each shader is compiled once, even if its source changes meanwhile.
+/// The code of one of the program's own shaders, compiled from the folder that [`VARIABLE`] names; `None` without that
+/// variable, and for a user's shader. Each shader is compiled once, even if its source changes meanwhile.
 ///
 /// # Errors
 /// [`Error::Usage`] for a folder without shaders, and for a shader that does not compile, or whose bindings, blocks or
 /// outputs are no longer those that the program was built with.
-pub fn code(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
+pub fn code_from_folder(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
     type CompiledSources = (Sources, HashMap<&'static str, Arc<[u8]>>);
     static OPENED: Mutex<Option<CompiledSources>> = Mutex::new(None);
-    // A user's method has shaders of its own, which are not in that folder.
-    let Some(folder) = named().filter(|_| ALL.iter().any(|own| own.name == shader.name)) else { return Ok(None) };
+    let is_own = ALL.iter().any(|own| own.name == shader.name);
+    let Some(folder) = named_folder().filter(|_| is_own) else { return Ok(None) };
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     let (sources, compiled) = match &mut *opened {
         Some(opened) => opened,

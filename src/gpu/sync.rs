@@ -254,11 +254,11 @@ impl State {
     }
 
     /// The state in which a caller's use leaves an image.
-    pub(super) fn left(by: ImageUse) -> Self {
-        Self { layout: by.layout, write_stages: by.stages, write_access: by.access, ..Self::default() }
+    pub(super) fn after_use(last: ImageUse) -> Self {
+        Self { layout: last.layout, write_stages: last.stages, write_access: last.access, ..Self::default() }
     }
 
-    /// Moves to the next use; returns the barrier that it needs, if any.
+    /// Moves to the next use, and returns the barrier that this use needs, if any.
     pub fn transition(&mut self, next: Access) -> Option<Transition> {
         self.transition_to(next.info())
     }
@@ -269,16 +269,16 @@ impl State {
         self.transition_to(AccessInfo { stages, access, layout, writes: true })
     }
 
-    /// Moves to a use, and returns its barrier. A new layout needs one. After an earlier use, so do a write, and a read
-    /// that does not see the last write yet.
+    /// Moves to a use, and returns the barrier that this use needs. A new layout needs one. After an earlier use, a write needs one,
+    /// and so does a read that does not see the last write yet.
     fn transition_to(&mut self, info: AccessInfo) -> Option<Transition> {
-        let moves = info.layout != vk::ImageLayout::UNDEFINED && info.layout != self.layout;
+        let changes_layout = info.layout != vk::ImageLayout::UNDEFINED && info.layout != self.layout;
         let sees_write = self.read_stages.contains(info.stages) && self.read_access.contains(info.access);
         let is_unused = self.write_stages.is_empty() && self.read_stages.is_empty();
         let before = *self;
-        if info.writes || moves {
+        if info.writes || changes_layout {
             *self = Self {
-                layout: if moves { info.layout } else { self.layout },
+                layout: if changes_layout { info.layout } else { self.layout },
                 write_stages: info.stages,
                 write_access: if info.writes { info.access } else { vk::AccessFlags2::NONE },
                 read_stages: if info.writes { vk::PipelineStageFlags2::NONE } else { info.stages },
@@ -288,16 +288,18 @@ impl State {
             self.read_stages |= info.stages;
             self.read_access |= info.access;
         }
-        let needed = moves || (!is_unused && (info.writes || !(sees_write || before.write_stages.is_empty())));
-        needed.then(|| Transition {
+        let misses_a_write = !before.write_stages.is_empty() && !sees_write;
+        let needs_barrier = changes_layout || (!is_unused && (info.writes || misses_a_write));
+        let waits_for_reads = info.writes || changes_layout;
+        needs_barrier.then(|| Transition {
             // Every use waits for the last write. A write or a new layout also waits for the reads since then.
             src_stages: before.write_stages
-                | if info.writes || moves { before.read_stages } else { vk::PipelineStageFlags2::NONE },
+                | if waits_for_reads { before.read_stages } else { vk::PipelineStageFlags2::NONE },
             src_access: before.write_access,
             dst_stages: info.stages,
             dst_access: info.access,
             old_layout: before.layout,
-            new_layout: if moves { info.layout } else { before.layout },
+            new_layout: if changes_layout { info.layout } else { before.layout },
         })
     }
 }

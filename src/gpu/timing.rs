@@ -18,8 +18,7 @@ pub struct PassTime {
     pub counted: bool,
 }
 
-/// Number of queries in a pool.
-const QUERIES: u32 = 512;
+const QUERIES_PER_POOL: u32 = 512;
 
 /// Queries of one kind, taken in order from pools. A frame adds the pools that it needs, and later frames reuse them.
 struct Queries {
@@ -48,17 +47,17 @@ impl Queries {
     fn reset(&mut self) {
         for pool in &self.pools {
             // SAFETY: hostQueryReset is enabled and no submission is under way.
-            unsafe { self.gpu.raw().reset_query_pool(*pool, 0, QUERIES) };
+            unsafe { self.gpu.raw().reset_query_pool(*pool, 0, QUERIES_PER_POOL) };
         }
         self.taken = 0;
     }
 
     /// Takes the next query, and returns its pool and its number in the pool.
     fn next_query(&mut self) -> Result<(vk::QueryPool, u32)> {
-        if self.taken == QUERIES * self.pools.len() as u32 {
+        if self.taken == QUERIES_PER_POOL * self.pools.len() as u32 {
             self.grow()?;
         }
-        let query = (self.pools[(self.taken / QUERIES) as usize], self.taken % QUERIES);
+        let query = (self.pools[(self.taken / QUERIES_PER_POOL) as usize], self.taken % QUERIES_PER_POOL);
         self.taken += 1;
         Ok(query)
     }
@@ -67,7 +66,7 @@ impl Queries {
     fn grow(&mut self) -> Result<()> {
         let info = vk::QueryPoolCreateInfo::default()
             .query_type(self.kind)
-            .query_count(QUERIES)
+            .query_count(QUERIES_PER_POOL)
             .pipeline_statistics(self.counters);
         // SAFETY: the create info is complete; destroyed in `drop`.
         let pool = unsafe { self.gpu.raw().create_query_pool(&info, None) }
@@ -75,14 +74,14 @@ impl Queries {
         self.gpu.name(pool, self.name);
         self.pools.push(pool);
         // SAFETY: hostQueryReset is enabled, and nothing uses the new pool.
-        unsafe { self.gpu.raw().reset_query_pool(pool, 0, QUERIES) };
+        unsafe { self.gpu.raw().reset_query_pool(pool, 0, QUERIES_PER_POOL) };
         Ok(())
     }
 
     /// The results of all queries that were taken, in order, after the submission that wrote them is done.
     fn results<T: bytemuck::Zeroable + Copy>(&self) -> Result<Vec<T>> {
         let mut all = vec![T::zeroed(); self.taken as usize];
-        for (results, pool) in all.chunks_mut(QUERIES as usize).zip(&self.pools) {
+        for (results, pool) in all.chunks_mut(QUERIES_PER_POOL as usize).zip(&self.pools) {
             // SAFETY: all these queries were written by the finished submission.
             unsafe { self.gpu.raw().get_query_pool_results(*pool, 0, results, vk::QueryResultFlags::TYPE_64) }
                 .map_err(vulkan(format!("vkGetQueryPoolResults for {}", self.name)))?;
@@ -214,7 +213,7 @@ mod tests {
         let mut context = FrameContext::new(&gpu).expect("a context");
         let buffer =
             Buffer::new(&gpu, "filled", 4, vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device).expect("a buffer");
-        let passes = QUERIES as usize + 1;
+        let passes = QUERIES_PER_POOL as usize + 1;
         // The second frame of a mode takes the pools of the first.
         for mode in [Mode::Timed, Mode::Timed, Mode::Counted, Mode::Counted] {
             let mut frame = context.begin(mode).expect("a frame");

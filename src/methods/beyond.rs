@@ -31,15 +31,13 @@ pub(super) struct PreparedTriangles {
 }
 
 impl PreparedTriangles {
-    /// Returns the buffers of a scene's triangles, where the meshes stand now.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] if the triangles are not ready, and for more lights or triangles than the effect was made for.
-    pub(super) fn bound<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
-        let (lights, most) = (data.light_count(), self.reading.lights);
-        if lights > most {
+    /// Returns the buffers of a scene's triangles, where the meshes stand now. Fails if the triangles are not ready, and
+    /// for more lights or triangles than the effect was made for.
+    pub(super) fn buffers<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
+        let (lights, max_lights) = (data.light_count(), self.reading.lights);
+        if lights > max_lights {
             let message =
-                format!("the scene has {lights} lights now, and this effect was made for {most}: make it anew");
+                format!("the scene has {lights} lights now, and this effect was made for {max_lights}: make it anew");
             return Err(Error::Usage(message));
         }
         let structure = data.ray_structure().filter(|_| self.reading.queries);
@@ -54,7 +52,7 @@ impl PreparedTriangles {
                 "the scene's triangles are more now than this device can read as the effect does: make it anew";
             return Err(Error::Usage(message.into()));
         }
-        Ok(geometry.bound(images, table).queried(structure))
+        Ok(geometry.buffers(images, table).with_ray_structure(structure))
     }
 }
 
@@ -69,20 +67,18 @@ pub(super) struct CaptureSet {
     /// The passes that draw captures again; `None` for captures that stay as they are.
     pub(super) renewal: Option<Renewal>,
     /// Whether the set is a single capture, which follows the camera and is drawn anew in each frame.
-    pub(super) at_camera: bool,
+    pub(super) follows_camera: bool,
 }
 
 impl CaptureSet {
     /// Makes the set for captures that the caller gives: the images now, or with the input of each frame.
-    pub(super) fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
-        Self { places: Vec::new(), face, images, materials: Vec::new(), renewal: None, at_camera: false }
+    pub(super) fn from_caller(face: [u32; 2], images: Option<CaptureImages>) -> Self {
+        Self { places: Vec::new(), face, images, materials: Vec::new(), renewal: None, follows_camera: false }
     }
 }
 
-/// Prepares the triangles of a scene for a method that follows rays among them; returns `None` for other methods.
-///
-/// # Errors
-/// [`Error::Usage`] if the method is to follow rays among triangles that are not known.
+/// Prepares the triangles of a scene for a method that follows rays among them; returns `None` for other methods. Fails
+/// if the method is to follow rays among triangles that are not known.
 pub(super) fn triangles_for(
     context: &mut FrameContext,
     info: &MethodInfo,
@@ -106,19 +102,17 @@ pub(super) fn triangles_for(
 
 /// Returns the captures in which a method or its fallback follows rays, and the milliseconds that finding their places
 /// took. There are none if neither of the two follows rays in captures, or if the scene has no place for a capture.
-///
-/// # Errors
-/// [`Error::Usage`] if captures are wanted and there is no scene.
-pub(super) fn captures_taken(
+/// Fails if captures are wanted and there is no scene.
+pub(super) fn captures_for(
     info: &MethodInfo,
     effect: &EffectParams,
     scene: Option<&SceneInput>,
 ) -> Result<(Vec<Capture>, f64)> {
-    let fallback_takes = effect.fallback.method().is_some_and(|m| m.takes_captures);
-    let sees_only_captures = !info.is_screen_space() && info.takes_captures;
-    let is_asked_for = effect.captures_wanted() != CaptureCount::None && info.takes_captures;
     // A method or a fallback that follows rays in captures alone gets captures even if the user asks for none.
-    if !is_asked_for && !fallback_takes && !sees_only_captures {
+    let fallback_takes_captures = effect.fallback.method().is_some_and(|m| m.takes_captures);
+    let method_takes_captures =
+        info.takes_captures && (!info.is_screen_space() || effect.captures_wanted() != CaptureCount::None);
+    if !method_takes_captures && !fallback_takes_captures {
         return Ok((Vec::new(), 0.0));
     }
     let Some(scene) = scene else {

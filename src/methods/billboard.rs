@@ -1,6 +1,6 @@
 //! `billboard`: each pixel's mirror ray is tested against impostors, quads that stand for bright or relevant objects
 //! (Schmidt 2013, section 5.3). The method reflects the impostors of a scene and nothing else. The listings have no
-//! roughness; `--billboard-blur` adds it. An impostor is not lit, and does not move with any mesh.
+//! roughness; the parameter `billboard_blur` adds it. An impostor is not lit, and does not move with any mesh.
 
 use super::needs::Need;
 use super::{Input, Method, MethodInfo, MethodOutput, SceneInput};

@@ -1,5 +1,5 @@
-//! Makes cube maps that are filtered by roughness, of the scene around a place or of the sky alone, and captures, in
-//! which rays are followed. No frame's time includes this, unless frames draw captures anew.
+//! Makes cube maps of the scene around a place or of the sky alone, filtered by roughness, and captures, in which rays are
+//! followed. No frame's time includes this, unless frames draw captures anew.
 
 use super::SceneInput;
 use crate::error::Result;
@@ -24,7 +24,7 @@ use std::time::Instant;
 const NEAR_M: f32 = 0.01;
 
 /// Draws the scene around some places, lit and with the sky, into a cube map for each place, filtered by roughness.
-pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<Vec<Image>> {
+pub fn capture_cube_maps(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<Vec<Image>> {
     let gpu: Gpu = context.gpu().clone();
     let gbuffer = GBufferPass::new(&gpu, [FACE_SIZE; 2])?;
     let lighting = LightingPass::new(&gpu)?;
@@ -84,14 +84,13 @@ pub fn common_near_m(captures: &[Capture]) -> f32 {
     captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
 }
 
-/// The places of captures in the world.
-fn positions(taken: &[Capture]) -> Vec<Vec3> {
-    taken.iter().map(|c| c.position).collect()
+fn positions(captures: &[Capture]) -> Vec<Vec3> {
+    captures.iter().map(|c| c.position).collect()
 }
 
 /// A camera with the projection of the faces of captures.
-fn forward_camera(taken: &[Capture]) -> Camera {
-    face_camera(Vec3::ZERO, 4, common_near_m(taken))
+fn forward_camera(captures: &[Capture]) -> Camera {
+    face_camera(Vec3::ZERO, 4, common_near_m(captures))
 }
 
 /// The images of captures, in which rays are followed (docs/definitions.md, "Images").
@@ -114,42 +113,39 @@ impl CaptureImages {
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
-    pub fn new(context: &mut FrameContext, scene: &SceneInput, taken: &[Capture]) -> Result<Self> {
-        let passes = FacePasses::new(context.gpu(), taken)?;
-        let made = Self::empty(context.gpu(), taken)?;
+    pub fn new(context: &mut FrameContext, scene: &SceneInput, captures: &[Capture]) -> Result<Self> {
+        let passes = FacePasses::new(context.gpu(), captures)?;
+        let made = Self::empty(context.gpu(), captures)?;
         made.draw(context, scene, &passes)?;
         Ok(made)
     }
 
-    /// Returns the captures of a scene that does not change, for effects that neither renew nor move them. The scene keeps these images: the
-    /// next effect that looks into captures of these places gets the same ones. The second result is the
-    /// cost of images that were drawn earlier; it is 0 for images that are drawn now.
-    ///
-    /// # Errors
-    /// Errors of [`Self::new`].
+    /// Returns captures that this effect neither renews nor moves. The scene keeps the images: the next effect that looks into
+    /// captures of these places gets the same ones. The second result is the cost of images that were drawn earlier, or 0 for
+    /// images that are drawn now.
     pub(crate) fn shared(
         context: &mut FrameContext,
         scene: &SceneInput,
-        taken: &[Capture],
+        captures: &[Capture],
     ) -> Result<(Self, DrawingCost)> {
-        let materials = captured_of(scene.materials);
-        if let Some(drawn) = scene.data.drawn_captures(taken, &materials) {
+        let materials = captured_materials(scene.materials);
+        if let Some(drawn) = scene.data.drawn_captures(captures, &materials) {
             let DrawnCaptures { pyramid, normal, color, cost, .. } = drawn;
-            let (places, forward) = (positions(taken), forward_camera(taken));
+            let (places, forward) = (positions(captures), forward_camera(captures));
             let images = Self { is_shared: true, ..Self::of_images(places, &forward, [pyramid, normal, color]) };
-            return Ok((images.within(scene.data.bounds()), cost));
+            return Ok((images.with_bounds(scene.data.bounds()), cost));
         }
-        let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
-        let made = Self { is_shared: true, ..Self::new(context, scene, taken)? };
+        let (bytes_before, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        let made = Self { is_shared: true, ..Self::new(context, scene, captures)? };
         scene.data.keep_captures(DrawnCaptures {
-            captures: taken.to_vec(),
+            captures: captures.to_vec(),
             materials,
             pyramid: made.pyramid.clone(),
             normal: made.normal.clone(),
             color: made.color.clone(),
             cost: DrawingCost {
                 time_ms: 1e3 * begun.elapsed().as_secs_f64(),
-                device_bytes: context.gpu().allocated_bytes().saturating_sub(held),
+                device_bytes: context.gpu().allocated_bytes().saturating_sub(bytes_before),
             },
         });
         Ok((made, DrawingCost::default()))
@@ -164,8 +160,8 @@ impl CaptureImages {
     ///
     /// # Errors
     /// Errors of [`Self::new`].
-    pub fn undrawn(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
-        Self::empty(gpu, taken)
+    pub fn undrawn(gpu: &Gpu, captures: &[Capture]) -> Result<Self> {
+        Self::empty(gpu, captures)
     }
 
     /// Moves a capture to another place. Its faces must be drawn there before rays are followed in it.
@@ -184,7 +180,7 @@ impl CaptureImages {
 
     /// Sets a box in the world, in metres, outside of which nothing stands: a ray lost there ends in the sky. Captures
     /// drawn from a scene have the scene's bounds; others have none without this call.
-    pub fn within(self, bounds: Aabb) -> Self {
+    pub fn with_bounds(self, bounds: Aabb) -> Self {
         self.bounds.set(bounds);
         self
     }
@@ -196,13 +192,13 @@ impl CaptureImages {
     /// Errors of [`Self::new`], and what `face` returns.
     pub fn of_faces(
         context: &mut FrameContext,
-        taken: &[Capture],
+        captures: &[Capture],
         mut face: impl FnMut(usize, usize) -> Result<GBufferData>,
     ) -> Result<Self> {
         let gpu: Gpu = context.gpu().clone();
-        let made = Self::empty(&gpu, taken)?;
+        let made = Self::empty(&gpu, captures)?;
         let keep = FaceKeeper::new(&gpu, made.color.extent())?;
-        for number in 0..6 * taken.len() {
+        for number in 0..6 * captures.len() {
             let images = GBufferImages::upload(context, &face(number / 6, number % 6)?)?;
             context.once(|frame| made.take_face(frame, &keep, &images.gbuffer(), number as u32))?;
         }
@@ -211,8 +207,13 @@ impl CaptureImages {
     }
 
     /// Makes the images for some captures, without content.
-    fn empty(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
-        Self::of_camera(gpu, positions(taken), taken.first().map_or(1, |c| c.resolution), &forward_camera(taken))
+    fn empty(gpu: &Gpu, captures: &[Capture]) -> Result<Self> {
+        Self::of_camera(
+            gpu,
+            positions(captures),
+            captures.first().map_or(1, |c| c.resolution),
+            &forward_camera(captures),
+        )
     }
 
     /// Makes the images for captures with faces of `side` texels a side and the projection of the camera `forward`.
@@ -239,7 +240,7 @@ impl CaptureImages {
         Ok(Self::of_images(places, forward, images))
     }
 
-    /// Captures whose images exist: pyramids, normals and colours.
+    /// Makes captures of images that exist: pyramids, normals and colours.
     fn of_images(places: Vec<Vec3>, forward: &Camera, [pyramid, normal, color]: [Image; 3]) -> Self {
         Self {
             face: super::unified::parameters(forward, color.extent(), false),
@@ -322,12 +323,12 @@ struct FacePasses {
 }
 
 impl FacePasses {
-    fn new(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
-        let side = taken.first().map_or(1, |c| c.resolution);
+    fn new(gpu: &Gpu, captures: &[Capture]) -> Result<Self> {
+        let side = captures.first().map_or(1, |c| c.resolution);
         Ok(Self {
             scene: CaptureFacePass::new(gpu, side)?,
             keep: FaceKeeper::new(gpu, [side; 2])?,
-            near_m: common_near_m(taken),
+            near_m: common_near_m(captures),
         })
     }
 
@@ -346,8 +347,7 @@ impl FacePasses {
 pub struct Renewal {
     passes: FacePasses,
     faces_per_frame: u32,
-    /// The face that comes next.
-    next: Cell<u32>,
+    next_face: Cell<u32>,
 }
 
 impl Renewal {
@@ -356,8 +356,8 @@ impl Renewal {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, taken: &[Capture], faces_per_frame: u32) -> Result<Self> {
-        Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
+    pub fn new(gpu: &Gpu, captures: &[Capture], faces_per_frame: u32) -> Result<Self> {
+        Ok(Self { passes: FacePasses::new(gpu, captures)?, faces_per_frame, next_face: Cell::new(0) })
     }
 
     /// Moves all captures to `places`, in the same order, and draws all their faces there, outside of any frame's time.
@@ -385,9 +385,9 @@ impl Renewal {
     pub fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages) -> Result<()> {
         let all = into.faces();
         for _ in 0..self.faces_per_frame.min(all) {
-            let face = self.next.get() % all;
+            let face = self.next_face.get() % all;
             self.passes.record(frame, scene, into, face)?;
-            self.next.set(face + 1);
+            self.next_face.set(face + 1);
         }
         Ok(())
     }
@@ -408,7 +408,7 @@ pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Ima
 
 /// Returns the materials without the properties that a capture does not show. A captured map stays valid as long as
 /// this result stays the same.
-pub fn captured_of(materials: &[Material]) -> Vec<Material> {
-    let shown = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
-    materials.iter().map(shown).collect()
+pub fn captured_materials(materials: &[Material]) -> Vec<Material> {
+    let captured = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
+    materials.iter().map(captured).collect()
 }

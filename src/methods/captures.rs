@@ -1,6 +1,6 @@
 //! `captures`: follows the mirror rays of pixels through captures of the scene alone, from where they begin. A lobe is
-//! one cone around the mirror ray. Behind a screen-space method (`--fallback captures`), the method allows a fair
-//! comparison with `unified`, whose lost rays go on in the captures.
+//! one cone around the mirror ray. As the fallback of a screen-space method, `captures` allows a fair comparison with
+//! `unified`, whose lost rays go on in the captures.
 
 use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest, Setup};
 use crate::error::Result;
@@ -34,8 +34,8 @@ impl CapturesMethod {
     /// Makes the passes and the images that they write. Without captures, no pass follows rays.
     pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let Setup { extent, projection, .. } = request.setup;
-        let (hits, behind) = (request.hits, request.behind);
-        let wants = FollowWants { reflection: true, hits, behind, projection, ..FollowWants::default() };
+        let (hits, is_fallback) = (request.hits, request.is_fallback);
+        let wants = FollowWants { reflection: true, hits, is_fallback, projection, ..FollowWants::default() };
         Ok(Self {
             lost: LostRays::new(gpu, extent, ListContent::Rays)?,
             follow: request.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,
@@ -59,11 +59,11 @@ impl Method for CapturesMethod {
         };
         let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
         let block = capture_block(input.camera, Some(&captures));
-        let beyond = self.lost.beyond(frame, &block, input.sky, false)?;
+        let lost_rays = self.lost.bindings(frame, &block, input.sky, false)?;
         self.lost.clear(frame)?;
-        follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
+        follow.record_begin(frame, lost_rays, &gbuffer, input.in_front, &parameters)?;
         let canvas = Canvas { composite: None, reflection: Some(&self.reflection) };
-        follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
+        follow.record_mirrors(frame, FollowInput { captures, lost_rays }, &gbuffer, canvas, hits)?;
         Ok(MethodOutput { hits, ..MethodOutput::new(Reflection(&self.reflection)) })
     }
 }

@@ -97,7 +97,7 @@ impl DdaMethod {
 impl Method for DdaMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let (reflection, hits) =
-            self.trace.record(frame, &input.gbuffer, input.behind.as_ref(), input.camera, &self.parameters)?;
+            self.trace.record(frame, &input.gbuffer, input.second_layer.as_ref(), input.camera, &self.parameters)?;
         Ok(MethodOutput { hits, ..MethodOutput::new(reflection) })
     }
 }

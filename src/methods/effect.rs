@@ -1,8 +1,8 @@
 //! The whole effect: a method, and the passes around every method, down to the composite.
 
-use super::beyond::{CaptureSet, PreparedTriangles, captures_taken, triangles_for};
-use super::capture::{CaptureImages, Renewal, captured_of};
-use super::exclusions::{self, Asked, Brought};
+use super::beyond::{CaptureSet, PreparedTriangles, captures_for, triangles_for};
+use super::capture::{CaptureImages, Renewal, captured_materials};
+use super::exclusions::{self, EffectRequest, GivenPart};
 use super::layers::{LayerParams, SecondLayer};
 use super::setup::{CaptureCount, HistoryUse};
 use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest, SceneInput, Setup, Wants};
@@ -42,7 +42,8 @@ pub struct Effect {
     trace_normals: Option<(TraceNormalsPass, Option<BumpPass>)>,
     /// Draws the second layer of depth, for a method that marches through two layers.
     second_layer: Option<SecondLayer>,
-    scaled: Option<(DownsamplePass, UpsamplePass)>, // for a lower resolution
+    /// Scale the G-buffer down and the reflection up, for a method that traces at a lower resolution.
+    scaling: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
     /// The number of bounces, and the pass that makes the image that the next bounce reflects; `None` for one bounce.
@@ -81,38 +82,38 @@ impl Effect {
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
         let effect = setup.effect();
-        let (places, placement_ms) = captures_taken(info, &effect, scene)?;
+        let (places, placement_ms) = captures_for(info, &effect, scene)?;
         let has_triangles = effect.is_among_triangles(info, scene.is_some());
-        exclusions::check(&Asked {
+        exclusions::check(&EffectRequest {
             info,
             setup,
             effect,
             has_scene: scene.is_some(),
             has_captures: !places.is_empty(),
             has_triangles,
-            brought: None,
+            given_part: None,
         })?;
-        let at_camera = effect.captures_wanted() == CaptureCount::Camera && !places.is_empty();
-        let faces = if at_camera { FACES_OF_A_CUBE } else { effect.captures_per_frame };
+        let follows_camera = effect.captures_wanted() == CaptureCount::Camera && !places.is_empty();
+        let faces = if follows_camera { FACES_OF_A_CUBE } else { effect.captures_per_frame };
         let is_renewed = faces > 0 && !places.is_empty();
         let renewal = is_renewed.then(|| Renewal::new(context.gpu(), &places, faces)).transpose()?;
         let face = places.first().map_or([1; 2], |c| [c.resolution; 2]);
         let captures = (!places.is_empty()).then(|| {
             let (images, materials) = (None, Vec::new());
-            CaptureSet { places, face, images, materials, renewal, at_camera }
+            CaptureSet { places, face, images, materials, renewal, follows_camera }
         });
-        // Device memory that does not count as prepared: that of before, and images that every frame draws anew.
-        let (mut not_prepared, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        // The device memory of before, and that of images which every frame draws anew, do not count as prepared.
+        let (mut unprepared_bytes, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
-        let with_triangles = context.gpu().allocated_bytes();
+        let bytes_with_triangles = context.gpu().allocated_bytes();
         let mut made = Self::with_parts(context, info, setup, wants, (captures, triangles))?;
         let Some(scene) = scene else { return Ok(made) };
-        not_prepared += context.gpu().allocated_bytes() - with_triangles;
+        unprepared_bytes += context.gpu().allocated_bytes() - bytes_with_triangles;
         let shared = made.prepare_at_cost(context, scene)?;
         made.prepared = Prepared {
             time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64() + shared.time_ms,
-            device_bytes: context.gpu().allocated_bytes().saturating_sub(not_prepared) + shared.device_bytes,
-            captures: if at_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
+            device_bytes: context.gpu().allocated_bytes().saturating_sub(unprepared_bytes) + shared.device_bytes,
+            captures: if follows_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
             ray_structure_ms: triangles
                 .filter(|reading| reading.queries)
                 .and_then(|_| Some(scene.data.ray_structure()?.build_ms())),
@@ -131,8 +132,8 @@ impl Effect {
         wants: Wants,
         captures: CaptureImages,
     ) -> Result<Self> {
-        exclusions::check(&Asked::beside_gbuffer(info, setup, Brought::Captures))?;
-        let captures = CaptureSet::from_elsewhere(captures.extent(), Some(captures));
+        exclusions::check(&EffectRequest::beside_gbuffer(info, setup, GivenPart::Captures))?;
+        let captures = CaptureSet::from_caller(captures.extent(), Some(captures));
         Self::with_parts(context, info, setup, wants, (Some(captures), None))
     }
 
@@ -148,8 +149,8 @@ impl Effect {
         wants: Wants,
         face: [u32; 2],
     ) -> Result<Self> {
-        exclusions::check(&Asked::beside_gbuffer(info, setup, Brought::Captures))?;
-        Self::with_parts(context, info, setup, wants, (Some(CaptureSet::from_elsewhere(face, None)), None))
+        exclusions::check(&EffectRequest::beside_gbuffer(info, setup, GivenPart::Captures))?;
+        Self::with_parts(context, info, setup, wants, (Some(CaptureSet::from_caller(face, None)), None))
     }
 
     /// Makes the method and the passes around it for a G-buffer without its scene, and for triangles that each input
@@ -164,7 +165,7 @@ impl Effect {
         wants: Wants,
         reading: TriangleReading,
     ) -> Result<Self> {
-        exclusions::check(&Asked::beside_gbuffer(info, setup, Brought::Triangles))?;
+        exclusions::check(&EffectRequest::beside_gbuffer(info, setup, GivenPart::Triangles))?;
         Self::with_parts(context, info, setup, wants, (None, Some(reading)))
     }
 
@@ -183,41 +184,29 @@ impl Effect {
         let is_bumped = effect.bump_after > 0.0;
         let gpu: Gpu = context.gpu_of_effect();
         let face = captures.as_ref().map(|c| c.face);
-        let fallback = effect.fallback.method().map(|behind| -> Result<_> {
-            let request = MethodRequest {
-                setup: setup.clone(),
-                hits: false,
-                reflection: true,
-                composite: false,
-                captures: face,
-                triangles: None,
-                behind: true,
-            };
-            Ok((behind.make(&gpu, &request)?, FallbackPass::new(&gpu, stage, extent)?))
+        let fallback = effect.fallback.method().map(|method| -> Result<_> {
+            let wants = Wants { reflection: true, ..Wants::default() };
+            let request = MethodRequest { captures: face, is_fallback: true, ..MethodRequest::new(setup, wants) };
+            Ok((method.make(&gpu, &request)?, FallbackPass::new(&gpu, stage, extent)?))
         });
         let history = effect.history == HistoryUse::On && info.is_screen_space();
         let bounces = (effect.bounces > 1)
             .then(|| Ok::<_, Error>((effect.bounces, CompositePass::for_bounces(&gpu, stage, extent)?)))
             .transpose()?;
-        let composite =
-            wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped && bounces.is_none();
-        let mut scaled = None;
-        let mut request = MethodRequest {
-            setup: setup.clone(),
-            // Hits of a lower resolution cannot be compared with hits of the full size.
-            hits: wants.hits && divisor == 1,
-            reflection: wants.reflection || !composite,
-            composite,
-            captures: face,
-            triangles,
-            behind: false,
-        };
+        // The method may composite along the way if no pass changes its reflection afterwards.
+        let is_changed_later = fallback.is_some() || divisor != 1 || history || is_bumped || bounces.is_some();
+        let composite = wants.composite && !is_changed_later;
+        let mut scaling = None;
+        // Hits of a lower resolution cannot be compared with hits of the full size.
+        let hits = wants.hits && divisor == 1;
+        let method_wants = Wants { hits, reflection: wants.reflection || !composite, composite };
+        let mut request = MethodRequest { captures: face, triangles, ..MethodRequest::new(setup, method_wants) };
         if divisor != 1 {
             request.setup.extent = resolution::divided(extent, divisor);
             let downsample = DownsamplePass::new(&gpu, stage, extent, divisor)?;
             let is_numbered = triangles.is_some() && gpu.numbers_triangles();
             let downsample = if is_numbered { downsample.numbered(&gpu, stage)? } else { downsample };
-            scaled = Some((downsample, UpsamplePass::new(&gpu, stage, extent, projection, divisor)?));
+            scaling = Some((downsample, UpsamplePass::new(&gpu, stage, extent, projection, divisor)?));
         }
         let effect = Self {
             method: info.make(&gpu, &request)?,
@@ -232,7 +221,7 @@ impl Effect {
                 .takes_second_layer(setup)
                 .then(|| SecondLayer::new(&gpu, stage, extent, divisor, setup.parameters::<LayerParams>()))
                 .transpose()?,
-            scaled,
+            scaling,
             fallback: fallback.transpose()?,
             history: history
                 .then(|| {
@@ -255,13 +244,13 @@ impl Effect {
         self.prepare_at_cost(context, scene).map(drop)
     }
 
-    /// Makes the images that outlive frames. Returns the cost of those that another effect had drawn before, so that
-    /// [`Prepared`] is that of an effect alone.
+    /// Makes the images that outlive frames. Returns the cost of the images that another effect drew before, which [`Prepared`]
+    /// counts as if this effect had drawn them.
     fn prepare_at_cost(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<DrawingCost> {
         let mut cost = DrawingCost::default();
         if let Some(captured) = &mut self.captures {
-            let materials = captured_of(scene.materials);
-            if captured.at_camera {
+            let materials = captured_materials(scene.materials);
+            if captured.follows_camera {
                 if captured.images.is_none() {
                     captured.images = Some(CaptureImages::undrawn(context.gpu(), &captured.places)?);
                 }
@@ -283,8 +272,8 @@ impl Effect {
             let images = scene.data.triangles().map(|(_, images)| images);
             triangles.table = images.map(|images| images.table(context, scene.materials)).transpose()?;
         }
-        if let Some((behind, _)) = &mut self.fallback {
-            behind.prepare(context, scene)?;
+        if let Some((method, _)) = &mut self.fallback {
+            method.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)?;
         Ok(cost)
@@ -345,7 +334,7 @@ impl Effect {
     /// Moves the n-th capture to the n-th place, and draws the scene around it. Spare places are ignored. Captures
     /// without a place stay, and so does the capture at the camera. The call is not part of any frame's time.
     pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {
-        let Some(captured) = self.captures.as_mut().filter(|c| !c.at_camera) else { return Ok(()) };
+        let Some(captured) = self.captures.as_mut().filter(|c| !c.follows_camera) else { return Ok(()) };
         for (capture, place) in captured.places.iter_mut().zip(places) {
             capture.position = *place;
         }
@@ -361,7 +350,7 @@ impl Effect {
         };
         let places: Vec<Vec3> = captured.places.iter().map(|c| c.position).collect();
         renewal.move_to(context, scene, images, &places)?;
-        captured.materials = captured_of(scene.materials);
+        captured.materials = captured_materials(scene.materials);
         Ok(())
     }
 
@@ -374,9 +363,11 @@ impl Effect {
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
         input.camera.check_kind(self.projection)?;
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
-        if let (Some(CaptureSet { renewal: Some(renewal), at_camera, .. }), Some(images)) = (&self.captures, images) {
+        if let (Some(CaptureSet { renewal: Some(renewal), follows_camera, .. }), Some(images)) =
+            (&self.captures, images)
+        {
             let scene = input.scene()?;
-            if *at_camera {
+            if *follows_camera {
                 images.place_at(0, input.camera.eye());
             }
             renewal.record(frame, &scene, images)?;
@@ -387,35 +378,36 @@ impl Effect {
             None => shading,
             Some((pass, _)) => pass.record(frame, shading, input.camera)?,
         };
-        let standing = || input.scene.map_or(Vec::new(), |scene| scene.data.standing());
-        let begin = |history: &HistoryPass| history.begin(input.camera, standing(), input.motion.is_some());
+        let objects = || input.scene.map_or(Vec::new(), |scene| scene.data.movable_objects());
+        let begin = |history: &HistoryPass| history.begin(input.camera, objects(), input.motion.is_some());
         let turns = self.history.as_ref().map(begin).unwrap_or_default();
-        let behind = match &self.second_layer {
+        let second_layer = match &self.second_layer {
             Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
             None => None,
         };
         let triangles = match (&self.triangles, input.triangles) {
             (Some(prepared), None) => {
                 let data = input.scene()?.data;
-                data.bring_moving(frame)?;
-                Some(prepared.bound(data)?)
+                data.copy_moving(frame)?;
+                Some(prepared.buffers(data)?)
             }
             (_, given) => given,
         };
+        let (frame_number, frames_at_rest) = (turns.total, turns.at_rest);
         let mut input =
-            Input { captures, triangles, gbuffer, behind, frame: turns.drawn, rested: turns.rested, ..*input };
+            Input { captures, triangles, gbuffer, second_layer, frame: frame_number, frames_at_rest, ..*input };
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
             let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
             // The image that the next bounce reflects is the lit colour without reflections, plus this reflection.
             let color = pass.record(frame, &gbuffer, reflection)?;
-            frame.stage(Some(&format!("bounce {}", bounce + 1)));
+            frame.set_prefix(Some(&format!("bounce {}", bounce + 1)));
             input = Input { bounce, gbuffer: GBuffer { color, ..gbuffer }, ..input };
             traced = self.reflect(frame, &input, &shading)?;
         }
         if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
             // Ends of rays at a lower resolution have other pixels than the history, and are not used.
-            let ends = traced.ends.filter(|_| self.scaled.is_none());
+            let ends = traced.ends.filter(|_| self.scaling.is_none());
             let (averaged, composite) =
                 history.record(frame, &gbuffer, input.camera, reflection, (ends, input.motion))?;
             traced = MethodOutput { reflection: Some(averaged), composite, ..traced };
@@ -425,7 +417,7 @@ impl Effect {
             (None, Some(reflection), Some(pass)) => pass.record(frame, &gbuffer, reflection)?,
             _ => gbuffer.color,
         };
-        frame.stage(None);
+        frame.set_prefix(None);
         Ok(Output { traced, composite })
     }
 
@@ -437,7 +429,7 @@ impl Effect {
         input: &Input<'a, '_>,
         shading: &GBuffer<'a>,
     ) -> Result<MethodOutput<'a>> {
-        let mut traced = match &self.scaled {
+        let mut traced = match &self.scaling {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
                 let gbuffer = downsample.record(frame, &input.gbuffer)?;
@@ -451,8 +443,8 @@ impl Effect {
             traced.reflection = Some(bump.record(frame, shading, &input.gbuffer, reflection)?);
             traced.composite = None;
         }
-        if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
-            let fallback = behind.record(frame, &Input { in_front: Some(reflection), ..*input })?;
+        if let (Some((method, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
+            let fallback = method.record(frame, &Input { in_front: Some(reflection), ..*input })?;
             if let Some(fallback_reflection) = fallback.reflection {
                 traced.reflection = Some(pass.record(frame, reflection, fallback_reflection)?);
                 traced.composite = None;

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::passes::trace_normals::TraceNormals;
 
 /// A request for an effect, as [`check`] looks at it.
-pub struct Asked<'a> {
+pub struct EffectRequest<'a> {
     /// The method.
     pub info: &'a MethodInfo,
     /// The method's setup.
@@ -21,34 +21,34 @@ pub struct Asked<'a> {
     /// Whether rays are traced among triangles.
     pub has_triangles: bool,
     /// The part of the scene that the caller gives beside a G-buffer.
-    pub brought: Option<Brought>,
+    pub given_part: Option<GivenPart>,
 }
 
 /// A part of the scene that a caller gives beside a G-buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Brought {
+pub enum GivenPart {
     /// Captures: images of the scene from other places.
     Captures,
     /// The triangles of the scene with their tree.
     Triangles,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> EffectRequest<'a> {
     /// Makes the request for a G-buffer without its scene, beside which the caller gives a part of the scene.
-    pub fn beside_gbuffer(info: &'a MethodInfo, setup: &'a Setup, part: Brought) -> Self {
+    pub fn beside_gbuffer(info: &'a MethodInfo, setup: &'a Setup, part: GivenPart) -> Self {
         Self {
             info,
             setup,
             effect: setup.effect(),
             has_scene: false,
-            has_captures: part == Brought::Captures,
-            has_triangles: part == Brought::Triangles,
-            brought: Some(part),
+            has_captures: part == GivenPart::Captures,
+            has_triangles: part == GivenPart::Triangles,
+            given_part: Some(part),
         }
     }
 
     /// Whether a method has all that it must see: the screen, the scene, or captures or triangles that it takes.
-    fn is_seen(&self, method: &MethodInfo) -> bool {
+    fn suffices_for(&self, method: &MethodInfo) -> bool {
         let has_part = (method.takes_captures && self.has_captures) || (method.takes_triangles && self.has_triangles);
         self.has_scene || method.is_screen_space() || has_part
     }
@@ -61,8 +61,8 @@ pub struct Exclusion {
     /// The case in which the value is refused, in the words of the page of options.
     pub refused: &'static str,
     /// Whether a request is of this kind.
-    pub applies: fn(&Asked) -> bool,
-    message: fn(&Asked) -> String,
+    pub applies: fn(&EffectRequest) -> bool,
+    message: fn(&EffectRequest) -> String,
 }
 
 const DRAWN_ANEW: &str = "captures without their scene cannot be drawn anew in frames";
@@ -73,8 +73,9 @@ pub const EXCLUSIONS: &[Exclusion] = &[
         parameter: "captures",
         refused: "for captures that are given beside a G-buffer, if neither the method nor its fallback follows rays in captures",
         applies: |asked| {
-            let is_behind = asked.effect.fallback.method().is_some_and(|m| m.takes_captures);
-            asked.brought == Some(Brought::Captures) && !asked.info.takes_captures && !is_behind
+            let fallback_takes_captures = asked.effect.fallback.method().is_some_and(|m| m.takes_captures);
+            let is_any_taker = asked.info.takes_captures || fallback_takes_captures;
+            asked.given_part == Some(GivenPart::Captures) && !is_any_taker
         },
         message: |asked| {
             format!(
@@ -88,14 +89,14 @@ pub const EXCLUSIONS: &[Exclusion] = &[
         parameter: "captures",
         refused: "as `camera` for captures that are given beside a G-buffer",
         applies: |asked| {
-            asked.brought == Some(Brought::Captures) && asked.effect.captures_wanted() == CaptureCount::Camera
+            asked.given_part == Some(GivenPart::Captures) && asked.effect.captures_wanted() == CaptureCount::Camera
         },
         message: |_| DRAWN_ANEW.into(),
     },
     Exclusion {
         parameter: "captures_per_frame",
         refused: "above 0 for captures that are given beside a G-buffer",
-        applies: |asked| asked.brought == Some(Brought::Captures) && asked.effect.captures_per_frame > 0,
+        applies: |asked| asked.given_part == Some(GivenPart::Captures) && asked.effect.captures_per_frame > 0,
         message: |_| DRAWN_ANEW.into(),
     },
     Exclusion {
@@ -103,7 +104,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
         refused: "for the capture at the camera",
         applies: |asked| {
             asked.has_captures
-                && asked.brought.is_none()
+                && asked.given_part.is_none()
                 && asked.effect.captures_wanted() == CaptureCount::Camera
                 && asked.effect.captures_per_frame > 0
         },
@@ -114,7 +115,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "method",
         refused: "for triangles that are given beside a G-buffer, if the method follows no rays among triangles",
-        applies: |asked| asked.brought == Some(Brought::Triangles) && !asked.info.takes_triangles,
+        applies: |asked| asked.given_part == Some(GivenPart::Triangles) && !asked.info.takes_triangles,
         message: |asked| {
             format!("the method {} follows no rays among triangles; the methods unified and traced do", asked.info.name)
         },
@@ -123,15 +124,15 @@ pub const EXCLUSIONS: &[Exclusion] = &[
         parameter: "beyond",
         refused: "as `none` and `captures` for triangles that are given beside a G-buffer",
         applies: |asked| {
-            let is_elsewhere = matches!(asked.effect.beyond, BeyondScreen::None | BeyondScreen::Captures);
-            asked.brought == Some(Brought::Triangles) && is_elsewhere
+            let excludes_triangles = matches!(asked.effect.beyond, BeyondScreen::None | BeyondScreen::Captures);
+            asked.given_part == Some(GivenPart::Triangles) && excludes_triangles
         },
         message: |_| "triangles are given, and the parameter beyond says that no ray is followed among them".into(),
     },
     Exclusion {
         parameter: "tracer",
         refused: "as `query` for triangles that are given beside a G-buffer",
-        applies: |asked| asked.brought == Some(Brought::Triangles) && asked.effect.tracer == Tracer::Query,
+        applies: |asked| asked.given_part == Some(GivenPart::Triangles) && asked.effect.tracer == Tracer::Query,
         message: |_| {
             "triangles are given with their tree, and no ray query is asked among them: the tracer must be tree".into()
         },
@@ -139,7 +140,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "method",
         refused: "for a G-buffer alone, if the method needs the scene",
-        applies: |asked| !asked.is_seen(asked.info),
+        applies: |asked| !asked.suffices_for(asked.info),
         message: |asked| format!("the method {} needs the scene; a G-buffer alone does not show it", asked.info.name),
     },
     Exclusion {
@@ -210,7 +211,7 @@ pub const EXCLUSIONS: &[Exclusion] = &[
         message: |asked| {
             format!(
                 "the fallback {}: only screen-space methods have a fallback, and {} is none",
-                behind(asked),
+                fallback_name(asked),
                 asked.info.name
             )
         },
@@ -218,13 +219,15 @@ pub const EXCLUSIONS: &[Exclusion] = &[
     Exclusion {
         parameter: "fallback",
         refused: "for a G-buffer alone, if the fallback needs the scene",
-        applies: |asked| asked.effect.fallback.method().is_some_and(|method| !asked.is_seen(method)),
-        message: |asked| format!("the fallback {} needs the scene; a G-buffer alone does not show it", behind(asked)),
+        applies: |asked| asked.effect.fallback.method().is_some_and(|method| !asked.suffices_for(method)),
+        message: |asked| {
+            format!("the fallback {} needs the scene; a G-buffer alone does not show it", fallback_name(asked))
+        },
     },
 ];
 
 /// Returns the name of the method that is the fallback; "none" without a fallback.
-fn behind(asked: &Asked) -> &'static str {
+fn fallback_name(asked: &EffectRequest) -> &'static str {
     asked.effect.fallback.method().map_or("none", |method| method.name)
 }
 
@@ -232,7 +235,7 @@ fn behind(asked: &Asked) -> &'static str {
 ///
 /// # Errors
 /// [`Error::Usage`] with the message of the first such kind.
-pub fn check(asked: &Asked) -> Result<()> {
+pub fn check(asked: &EffectRequest) -> Result<()> {
     match EXCLUSIONS.iter().find(|exclusion| (exclusion.applies)(asked)) {
         Some(exclusion) => Err(Error::Usage((exclusion.message)(asked))),
         None => Ok(()),

@@ -5,7 +5,7 @@
 //! The boxes are the scene's impostors (`[[impostor]]`) with a depth. Unlike `billboard`, the method needs no image by
 //! an artist: a box shows its content as the scene passes light it, seen from the front.
 
-use super::capture::captured_of;
+use super::capture::captured_materials;
 use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput};
 use crate::error::Result;
@@ -32,7 +32,7 @@ pub const INFO: MethodInfo = MethodInfo {
                 pass: BillboardPass::new(gpu, request.setup.stage(), request.setup.extent, false)?.labelled("planes"),
                 parameters: request.setup.parameters(),
                 images: Vec::new(),
-                captured: Vec::new(),
+                drawn_with: Vec::new(),
             }))
         },
     )
@@ -62,7 +62,7 @@ struct IbrMethod {
     parameters: IbrParams,
     images: Vec<Image>,
     /// The materials that the images were drawn with.
-    captured: Vec<Material>,
+    drawn_with: Vec<Material>,
 }
 
 /// Distance of the camera from the middle of a box, in multiples of the box's greatest half side. At this distance the
@@ -85,7 +85,7 @@ fn box_camera(proxy: &Impostor, depth: f32) -> Camera {
 }
 
 /// Returns width and height of a box's image, in texels, whose longer side has `side` texels.
-fn size(proxy: &Impostor, side: u32) -> [u32; 2] {
+fn image_size(proxy: &Impostor, side: u32) -> [u32; 2] {
     let [u, v] = [proxy.half_u.length(), proxy.half_v.length()];
     [u, v].map(|length| ((length / u.max(v) * side as f32).round() as u32).clamp(1, side))
 }
@@ -94,7 +94,7 @@ impl IbrMethod {
     /// Draws the content of a box into an image with premultiplied colours and alpha 0 where no lit surface shows.
     fn draw(&self, context: &mut FrameContext, scene: &SceneInput, proxy: &Impostor) -> Result<Image> {
         let gpu: Gpu = context.gpu().clone();
-        let extent = size(proxy, self.parameters.ibr_side);
+        let extent = image_size(proxy, self.parameters.ibr_side);
         let camera = box_camera(proxy, self.parameters.ibr_depth);
         let gbuffer = GBufferPass::new(&gpu, extent)?;
         let lighting = LightingPass::without_sky(&gpu)?;
@@ -116,11 +116,11 @@ impl IbrMethod {
 impl Method for IbrMethod {
     fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         BillboardPass::check(scene.data, INFO.name)?;
-        let captured = captured_of(scene.materials);
+        let materials = captured_materials(scene.materials);
         let proxies = scene.data.impostors();
-        if self.images.len() != proxies.len() || self.captured != captured {
+        if self.images.len() != proxies.len() || self.drawn_with != materials {
             self.images = proxies.iter().map(|p| self.draw(context, scene, p)).collect::<Result<_>>()?;
-            self.captured = captured;
+            self.drawn_with = materials;
         }
         Ok(())
     }
@@ -135,8 +135,8 @@ impl Method for IbrMethod {
             premultiplied: true,
         };
         let reflection = self.pass.record(frame, &input.gbuffer, data, input.camera, Some(&self.images), drawing)?;
-        let shown = self.images.first().map(|image| Intermediate { name: "plane", content: Content::Color, image });
-        Ok(MethodOutput { intermediates: shown.into_iter().collect(), ..MethodOutput::new(reflection) })
+        let first = self.images.first().map(|image| Intermediate { name: "plane", content: Content::Color, image });
+        Ok(MethodOutput { intermediates: first.into_iter().collect(), ..MethodOutput::new(reflection) })
     }
 }
 
@@ -163,6 +163,6 @@ mod tests {
             assert!((seen.x - x).abs() < 0.01 && (seen.y - y).abs() < 0.01, "{u}, {v}: {seen}");
             assert!(z.is_none_or(|z: f32| (seen.z - z).abs() < 0.01), "{seen}");
         }
-        assert_eq!(size(&proxy, 256), [256, 64]);
+        assert_eq!(image_size(&proxy, 256), [256, 64]);
     }
 }

@@ -67,7 +67,7 @@ impl LinearMethod {
 impl Method for LinearMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
-        let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
+        let depth = input.in_first_bounce(|| self.depth.record(frame, gbuffer), || self.depth.recorded())?;
         let block = thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade);
         let parameters = self.border.fill(self.numbers.fill(block));
         let (reflection, hits) = self.trace.record(frame, gbuffer, depth, &parameters)?;

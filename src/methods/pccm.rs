@@ -1,7 +1,7 @@
 //! `pccm`: parallax-corrected cube maps (Schmidt 2013, section 5.2, listing 1), which this renderer captures at the
 //! scene's probes. A frame uses two of them, and blends the two in each pixel (section 6).
 
-use super::capture::{capture, captured_of};
+use super::capture::{capture_cube_maps, captured_materials};
 use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};
 use crate::error::{Error, Result};
@@ -28,25 +28,25 @@ pub struct PccmMethod {
     pass: PccmPass,
     maps: Vec<(Probe, Image)>,
     /// The materials that the maps were captured with.
-    captured: Vec<Material>,
+    captured_with: Vec<Material>,
 }
 
 impl PccmMethod {
     /// Makes the method without maps, which `prepare` captures. `corrected` is true for `pccm`, and false for `local-map`.
     pub fn new(gpu: &Gpu, setup: &Setup, corrected: bool) -> Result<Self> {
         let pass = PccmPass::new(gpu, setup.stage(), setup.extent, setup.projection, corrected)?;
-        Ok(Self { pass, maps: Vec::new(), captured: Vec::new() })
+        Ok(Self { pass, maps: Vec::new(), captured_with: Vec::new() })
     }
 }
 
 impl Method for PccmMethod {
     fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
-        let captured = captured_of(scene.materials);
-        if self.maps.is_empty() || self.captured != captured {
+        let materials = captured_materials(scene.materials);
+        if self.maps.is_empty() || self.captured_with != materials {
             let probes = scene.data.probes();
             let places: Vec<Vec3> = probes.iter().map(|p| p.position).collect();
-            self.maps = probes.iter().cloned().zip(capture(context, scene, &places)?).collect();
-            self.captured = captured;
+            self.maps = probes.iter().cloned().zip(capture_cube_maps(context, scene, &places)?).collect();
+            self.captured_with = materials;
         }
         Ok(())
     }
@@ -57,8 +57,9 @@ impl Method for PccmMethod {
         };
         let maps = nearest.map(|(probe, map)| (probe, CubeMap(map)));
         let reflection = self.pass.record(frame, &input.gbuffer, input.camera, maps)?;
-        let shown = |name, (_, map): &'a (Probe, Image)| Intermediate { name, content: Content::Color, image: map };
-        let intermediates = vec![shown("first-map", nearest[0]), shown("second-map", nearest[1])];
+        let intermediate =
+            |name, (_, map): &'a (Probe, Image)| Intermediate { name, content: Content::Color, image: map };
+        let intermediates = vec![intermediate("first-map", nearest[0]), intermediate("second-map", nearest[1])];
         Ok(MethodOutput { intermediates, ..MethodOutput::new(reflection) })
     }
 }

@@ -81,16 +81,16 @@ impl PlanarMethod {
     fn planes(&self, camera: &Camera) -> Vec<Vec4> {
         let world_to_clip = camera.view_to_clip() * camera.world_to_view;
         let eye = camera.eye();
-        let mut seen: Vec<(f32, Vec4)> = self
+        let mut planes_by_area: Vec<(f32, Vec4)> = self
             .candidates
             .iter()
             .filter(|group| group.plane.truncate().dot(eye) + group.plane.w > EDGE_ON_M)
             .map(|group| (group.triangles.iter().map(|t| projected_area(&world_to_clip, t)).sum(), group.plane))
             .filter(|(area, _)| *area >= AREA_MIN)
             .collect();
-        seen.sort_by(|(area, _), (other_area, _)| other_area.total_cmp(area));
-        seen.truncate(self.parameters.planar_planes as usize);
-        seen.into_iter().map(|(_, plane)| plane).collect()
+        planes_by_area.sort_by(|(area, _), (other_area, _)| other_area.total_cmp(area));
+        planes_by_area.truncate(self.parameters.planar_planes as usize);
+        planes_by_area.into_iter().map(|(_, plane)| plane).collect()
     }
 }
 
@@ -118,14 +118,14 @@ impl Method for PlanarMethod {
                 MirrorDrawing::Target => self.planar.record_lookup(frame, gbuffer, camera, plane, &mirrored)?,
             }
         }
-        let made = |name, content, image| Intermediate { name, content, image };
+        let intermediate = |name, content, image| Intermediate { name, content, image };
         // The images of the last plane, if there was a plane.
         let intermediates = if planes.is_empty() {
             Vec::new()
         } else {
             vec![
-                made("mirrored-albedo", Content::Color, self.scene.albedo()),
-                made("mirrored-normal", Content::Normal, mirrored.normal),
+                intermediate("mirrored-albedo", Content::Color, self.scene.albedo()),
+                intermediate("mirrored-normal", Content::Normal, mirrored.normal),
             ]
         };
         Ok(MethodOutput { intermediates, ..MethodOutput::new(self.planar.reflection()) })

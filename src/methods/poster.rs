@@ -63,7 +63,7 @@ parameters! {
 struct PosterMethod {
     filter: FilteredGBufferPass,
     /// Filters the second layer; `None` if there is one layer.
-    behind_filter: Option<FilteredGBufferPass>,
+    second_filter: Option<FilteredGBufferPass>,
     march: ConeMarchPass,
     parameters: PosterBlock,
 }
@@ -82,7 +82,7 @@ impl PosterMethod {
         let filter = || FilteredGBufferPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, p.edge_tolerance);
         Ok(Self {
             filter: filter()?,
-            behind_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
+            second_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
             march: ConeMarchPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, steps, request.hits, layers)?,
             parameters: PosterBlock {
                 first_step: p.march_stride,
@@ -100,20 +100,20 @@ impl PosterMethod {
 impl Method for PosterMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let filtered = self.filter.record(frame, &input.gbuffer, input.camera)?;
-        let behind = match (&self.behind_filter, &input.behind) {
+        let second_layer = match (&self.second_filter, &input.second_layer) {
             (Some(filter), Some(layer)) => Some(filter.record(frame, layer, input.camera)?),
             _ => None,
         };
         let (reflection, hits) =
-            self.march.record(frame, &input.gbuffer, filtered, behind, input.camera, &self.parameters)?;
-        let made = |name, content, image| Intermediate { name, content, image };
+            self.march.record(frame, &input.gbuffer, filtered, second_layer, input.camera, &self.parameters)?;
+        let intermediate = |name, content, image| Intermediate { name, content, image };
         let mut intermediates = vec![
-            made("filtered-depth", Content::LinearDepth, filtered.depth),
-            made("filtered-normal", Content::Normal, filtered.normal),
+            intermediate("filtered-depth", Content::LinearDepth, filtered.depth),
+            intermediate("filtered-normal", Content::Normal, filtered.normal),
         ];
         // With mip chains, the filtered colour is the G-buffer's own, which is shown anyway.
         if !std::ptr::eq(filtered.color, input.gbuffer.color) {
-            intermediates.push(made("filtered-color", Content::Color, filtered.color));
+            intermediates.push(intermediate("filtered-color", Content::Color, filtered.color));
         }
         Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }

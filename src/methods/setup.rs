@@ -307,8 +307,8 @@ impl EffectParams {
         method.takes_triangles && (sees_only_triangles || self.beyond(has_scene) == BeyondScreen::Triangles)
     }
 
-    /// Returns the captures that are wanted: the value of `--captures`, or as many as the scene needs if lost rays are
-    /// to go on in captures and no value is given.
+    /// Returns the captures that are wanted: the value of the parameter `captures`, or as many as the scene needs if lost rays
+    /// are to go on in captures and no value is given.
     pub fn captures_wanted(&self) -> CaptureCount {
         match (self.beyond, self.captures) {
             (BeyondScreen::Captures, CaptureCount::None) => CaptureCount::Auto,

@@ -2,7 +2,7 @@
 //! `hzct` leaves the march out. [`ThesisMethod`] implements both methods.
 
 use super::thesis::{self, ConeParams, FadeParams, HiZParams, MarchParams};
-use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest, Setup};
+use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, MethodRequest, Setup, Wants};
 use crate::error::Result;
 use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu};
@@ -25,7 +25,7 @@ pub const INFO: MethodInfo = MethodInfo {
         |gpu, request| {
             let parameters: SsctParams = request.setup.parameters();
             let march = Some(parameters.march.numbers());
-            Ok(Box::new(ThesisMethod::new(gpu, request, parameters.drawn, march, parameters.filling())?))
+            Ok(Box::new(ThesisMethod::new(gpu, request, parameters.drawn, march, parameters.fill_function())?))
         },
     )
 };
@@ -67,7 +67,7 @@ parameters! {
 
 impl SsctParams {
     /// Returns a function that fills in those members of a block that these parameters decide.
-    fn filling(self) -> Fill {
+    fn fill_function(self) -> Fill {
         Box::new(move |block| self.border.fill(self.cone.fill(self.march.fill(self.hi_z.fill(block)))))
     }
 }
@@ -117,17 +117,9 @@ impl ThesisMethod {
     /// Errors of the device.
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         let parameters: SsctParams = setup.parameters();
-        let request = MethodRequest {
-            setup: setup.clone(),
-            hits: true,
-            reflection: true,
-            composite: false,
-            captures: None,
-            triangles: None,
-            behind: false,
-        };
+        let request = MethodRequest::new(setup, Wants { hits: true, reflection: true, composite: false });
         let drawn = ThesisDrawing { split: true, ..parameters.drawn };
-        Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.filling())
+        Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.fill_function())
     }
 
     /// Records the chains and the cone trace for the hits of any tracer, for a method made by [`Self::cone_alone`].
@@ -145,8 +137,9 @@ impl ThesisMethod {
     /// Records the chains that ray trace and cone trace read, and returns them with the uniform block of both.
     fn chains<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<(TraceInput<'a>, ThesisBlock)> {
         let (gbuffer, camera) = (&input.gbuffer, input.camera);
-        let hi_z = input.once(|| self.hi_z.record(frame, gbuffer), || self.hi_z.made())?;
-        let visibility = input.once(|| self.visibility.record(frame, hi_z, &camera.lens), || self.visibility.made())?;
+        let hi_z = input.in_first_bounce(|| self.hi_z.record(frame, gbuffer), || self.hi_z.recorded())?;
+        let visibility = input
+            .in_first_bounce(|| self.visibility.record(frame, hi_z, &camera.lens), || self.visibility.recorded())?;
         let color = self.color.record_masked(frame, gbuffer, hi_z, &camera.lens)?;
         let block = thesis::block(camera, gbuffer.depth.extent(), hi_z.0.levels(), self.fade);
         Ok((TraceInput { gbuffer: *gbuffer, hi_z, visibility, color }, (self.fill)(block)))
@@ -158,10 +151,10 @@ impl Method for ThesisMethod {
         let (chains, parameters) = self.chains(frame, input)?;
         // In later bounces the rays are already traced, over the same depth and normals.
         let (reflection, hits) = self.trace.record(frame, &chains, &parameters, input.bounce > 0)?;
-        let made = |name, content, image| Intermediate { name, content, image };
+        let intermediate = |name, content, image| Intermediate { name, content, image };
         let intermediates = vec![
-            made("hi-z", Content::StandardDepth, chains.hi_z.0),
-            made("visibility", Content::Share, chains.visibility.0),
+            intermediate("hi-z", Content::StandardDepth, chains.hi_z.0),
+            intermediate("visibility", Content::Share, chains.visibility.0),
         ];
         Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }

@@ -80,7 +80,7 @@ impl SslrMethod {
 impl Method for SslrMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
-        let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
+        let depth = input.in_first_bounce(|| self.depth.record(frame, gbuffer), || self.depth.recorded())?;
         let parameters = self.parameters;
         let block = parameters.march.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, false));
         let sampler = match parameters.depth_sampling {
@@ -90,11 +90,11 @@ impl Method for SslrMethod {
         let (traced, hits) = self.trace.record(frame, gbuffer, depth, sampler, &block)?;
         let chain = self.chain.record(frame, traced)?;
         let reflection = self.reflection.record(frame, gbuffer, chain, parameters.spreading_factor)?;
-        let made = |name, content, image| Intermediate { name, content, image };
+        let intermediate = |name, content, image| Intermediate { name, content, image };
         let intermediates = vec![
-            made("standard-depth", Content::StandardDepth, depth.0),
-            made("ray-trace-color", Content::Color, chain.color),
-            made("mask", Content::Share, chain.mask),
+            intermediate("standard-depth", Content::StandardDepth, depth.0),
+            intermediate("ray-trace-color", Content::Color, chain.color),
+            intermediate("mask", Content::Share, chain.mask),
         ];
         Ok(MethodOutput { hits, intermediates, ..MethodOutput::new(reflection) })
     }

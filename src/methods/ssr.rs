@@ -44,7 +44,7 @@ pub struct SchmidtMethod {
     /// The colour chain, of which the blur reads a coarse level; `None` without the blur.
     chain: Option<ColorChainPass>,
     /// The chain of the second layer; `None` if there is one layer, or no chain.
-    behind_chain: Option<ColorChainPass>,
+    second_chain: Option<ColorChainPass>,
     trace: SchmidtTracePass,
     parameters: SchmidtBlock,
 }
@@ -64,7 +64,7 @@ impl SchmidtMethod {
         let chain = || blur.map(|filter| ColorChainPass::new(gpu, stage, extent, LIT_COLOR, filter)).transpose();
         Ok(Self {
             chain: chain()?,
-            behind_chain: if layers { chain()? } else { None },
+            second_chain: if layers { chain()? } else { None },
             trace: SchmidtTracePass::new(gpu, stage, extent, march, request.hits, layers)?,
             parameters: SchmidtBlock {
                 user_pixelStepSize: pixel_step as f32,
@@ -82,12 +82,13 @@ impl Method for SchmidtMethod {
             Some(chain) => chain.record(frame, gbuffer)?.0.all(),
             None => gbuffer.color.level(0),
         };
-        let behind = match (&self.behind_chain, &input.behind) {
-            (Some(chain), Some(behind)) => Some((behind, chain.record(frame, behind)?.0.all())),
-            (None, Some(behind)) => Some((behind, behind.color.level(0))),
+        let second_layer = match (&self.second_chain, &input.second_layer) {
+            (Some(chain), Some(layer)) => Some((layer, chain.record(frame, layer)?.0.all())),
+            (None, Some(layer)) => Some((layer, layer.color.level(0))),
             (_, None) => None,
         };
-        let (reflection, hits) = self.trace.record(frame, gbuffer, diffuse, behind, input.camera, &self.parameters)?;
+        let (reflection, hits) =
+            self.trace.record(frame, gbuffer, diffuse, second_layer, input.camera, &self.parameters)?;
         Ok(MethodOutput { hits, ..MethodOutput::new(reflection) })
     }
 }

@@ -1,5 +1,5 @@
-//! `stochastic`: each pixel draws rays from its lobe and gathers those of the pixels around it, by a ratio estimator;
-//! `--history on` averages over frames. Engines call this stochastic screen-space reflections (Stachowiak, "Stochastic
+//! `stochastic`: each pixel draws rays from its lobe and gathers those of the pixels around it, by a ratio estimator; a
+//! history averages over frames. Engines call this stochastic screen-space reflections (Stachowiak, "Stochastic
 //! Screen-Space Reflections", SIGGRAPH 2015 course Advances in Real-Time Rendering; Heitz, Hill and McGuire 2018 for
 //! the estimator). With many rays and without neighbours, it is the average of several rays of thesis §3.1.5.
 
@@ -117,7 +117,7 @@ impl StochasticMethod {
     }
 
     /// Records trace and resolve once for each ray that a pixel traces in a frame. `trace` records one trace.
-    fn turns<'r>(
+    fn record_turns<'r>(
         &self,
         frame: &mut Frame,
         input: &Input,
@@ -155,25 +155,26 @@ impl Method for StochasticMethod {
         [unified.fade_start, unified.fade_end] = self.parameters.border.ends();
         unified.sky = i32::from(input.sky.is_some());
         let camera = capture_block(input.camera, None);
-        let beyond = self.lost.beyond(frame, &camera, input.sky, false)?;
+        let lost_rays = self.lost.bindings(frame, &camera, input.sky, false)?;
         let mut intermediates = Vec::new();
         let hits = match &self.walk {
             Walk::Exact(pyramid, trace) => {
-                let pyramid = input.once(|| pyramid.record(frame, gbuffer, &unified), || pyramid.made())?;
-                intermediates.push(pyramid.shown(extent));
-                self.turns(frame, input, &unified, |frame, stochastic| {
-                    trace.record(frame, gbuffer, pyramid, beyond, (&unified, stochastic))
+                let pyramid =
+                    input.in_first_bounce(|| pyramid.record(frame, gbuffer, &unified), || pyramid.recorded())?;
+                intermediates.push(pyramid.as_intermediate(extent));
+                self.record_turns(frame, input, &unified, |frame, stochastic| {
+                    trace.record(frame, gbuffer, pyramid, lost_rays, (&unified, stochastic))
                 })?;
                 trace.hits()
             }
             Walk::Thesis(pass, ssct, trace) => {
-                let hi_z = input.once(|| pass.record(frame, gbuffer), || pass.made())?;
+                let hi_z = input.in_first_bounce(|| pass.record(frame, gbuffer), || pass.recorded())?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let camera_block = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
                 let block = ssct.border.fill(ssct.march.fill(ssct.hi_z.fill(camera_block)));
-                self.turns(frame, input, &unified, |frame, stochastic| {
-                    trace.record(frame, gbuffer, (hi_z, &block), beyond, (&unified, stochastic))
+                self.record_turns(frame, input, &unified, |frame, stochastic| {
+                    trace.record(frame, gbuffer, (hi_z, &block), lost_rays, (&unified, stochastic))
                 })?;
                 trace.hits()
             }

@@ -3,7 +3,7 @@ use super::*;
 #[test]
 fn every_parameter_is_described_and_takes_its_own_values() {
     for method in METHODS {
-        let rows = method.reads();
+        let rows = method.read_parameters();
         for (n, p) in rows.iter().enumerate() {
             let label = format!("{} of {}", p.name, method.name);
             assert!(p.help.ends_with('.') && p.help.len() > 10, "{label}: {:?}", p.help);
@@ -20,7 +20,7 @@ fn every_parameter_is_described_and_takes_its_own_values() {
         let same = all.iter().filter(|(p, _)| p.name == parameter.name).all(|(p, _)| p.domain == parameter.domain);
         assert!(same, "{} takes other values in another method", parameter.name);
         for method in methods {
-            assert!(method.reads().contains(parameter), "{} of {}", parameter.name, method.name);
+            assert!(method.read_parameters().contains(parameter), "{} of {}", parameter.name, method.name);
         }
     }
 }

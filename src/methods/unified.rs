@@ -27,11 +27,11 @@
 //!
 //! **From in front.** A block has a thickness so that no ray slips through a surface between two pixels. Therefore a
 //! block also stops rays that come from behind it or pass an edge, and the block beside a ray's own pixel stops a ray
-//! that leaves its surface. Most false hits are of these kinds. Version 2 of the oracle (`--oracle 2`) asks where a ray
-//! can have come from. The normal answers for the first pixel, and the pixel before a hit answers for the hit, after
-//! the walk. Version 2 is optional, since a miss is black, and a wrong hit is often a better guess than black.
+//! that leaves its surface. Most false hits are of these kinds. Version 2 of the oracle asks where a ray can have come
+//! from. The normal answers for the first pixel, and the pixel before a hit answers for the hit, after the walk. Version
+//! 2 is optional, since a miss is black, and a wrong hit is often a better guess than black.
 //!
-//! **Beyond the screen.** With captures (`--captures`) the screen is one image of the scene among several. A ray that the
+//! **Beyond the screen.** With captures the screen is one image of the scene among several. A ray that the
 //! screen loses, because it leaves the screen or goes behind something, goes on through cubes of images with the same
 //! pyramid, by the same traversal ([`follow`](crate::passes::follow)). With captures, rays hit only what they meet from
 //! in front, and nothing fades at the screen's border.
@@ -50,14 +50,14 @@
 //! of neighbours have little in common, and the footprint of each ray covers more of its own lobe. A pixel with a wide
 //! lobe interpolates between the cells around it that show its own surface. The pixels that stand for cells lie as on a
 //! chequerboard, so that a line one pixel wide does not escape all of them. Nothing is random. Pixels whose neighbours'
-//! rays say little of their reflection can have own rays (`--own-rays`). With a history (`--history on`), each frame of
-//! a camera at rest deals out new directions. Over a fallback ([`Fallback`]) a ray that misses is not black but
+//! rays say little of their reflection can have own rays ([`OwnRaysPass`]). With a history, each frame of a camera at
+//! rest deals out new directions. Over a fallback ([`Fallback`]) a ray that misses is not black but
 //! transparent, so that the fallback shows through.
 //!
 //! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
 //! The two make the same image to the bit on devices whose stages compute alike; which is faster depends on the device.
-//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and `--stage` chooses one for
-//! all. Only the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute
+//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and the parameter `stage` chooses
+//! one for all. Only the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute
 //! program runs in as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
@@ -111,7 +111,7 @@ pub const INFO: MethodInfo = MethodInfo {
 
 /// If the parameter `first` is `auto`, a CPU traces every ray among the triangles of scenes with up to this many
 /// triangles, and a GPU in every scene (docs/unified.md).
-const MOST_TRACED_FIRST_ON_CPU: u32 = 60_000;
+const MAX_TRACED_FIRST_ON_CPU: u32 = 60_000;
 
 choices! {
     /// What colour a ray sees where it meets a triangle.
@@ -140,7 +140,7 @@ choices! {
 
 impl HitColor {
     /// Whether hits on these triangles have the screen's colour. With `auto`, they have it if the triangles are unlit.
-    fn is_of_screen(self, triangles: TriangleReading) -> bool {
+    fn is_screen_color(self, triangles: TriangleReading) -> bool {
         match self {
             Self::Auto => triangles.unlit,
             Self::Screen => true,
@@ -178,10 +178,10 @@ pub struct UnifiedMethod {
     trace: UnifiedTracePass,
     gloss: UnifiedGlossPass,
     lost: LostRays,
-    own: OwnRaysPass,
+    own_rays: OwnRaysPass,
     beyond: Option<BeyondPass>,
     /// Whether rays walk over the screen first.
-    screen: bool,
+    walks_screen: bool,
     /// Whether hits on triangles have the screen's colours.
     screen_colors: bool,
     /// The finished image, if it is wanted.
@@ -200,62 +200,70 @@ impl UnifiedMethod {
     /// Makes the method `unified`, by its own parameters.
     pub(super) fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let UnifiedParams { first, hit_color, trace_stage, resolve_stage, .. } = request.setup.parameters();
-        let screen = match (request.triangles, first) {
+        let walks_screen = match (request.triangles, first) {
             (None, _) | (_, FirstTraced::Screen) => true,
             (Some(_), FirstTraced::Triangles) => false,
-            (Some(triangles), FirstTraced::Auto) => gpu.info().is_cpu() && triangles.count > MOST_TRACED_FIRST_ON_CPU,
+            (Some(triangles), FirstTraced::Auto) => gpu.info().is_cpu() && triangles.count > MAX_TRACED_FIRST_ON_CPU,
         };
         let triangles = request
             .triangles
-            .map(|triangles| TriangleReading { screen_colors: hit_color.is_of_screen(triangles), ..triangles });
+            .map(|triangles| TriangleReading { screen_colors: hit_color.is_screen_color(triangles), ..triangles });
         let stages = [trace_stage, resolve_stage].map(|choice| choice.on(gpu, request.setup.effect().stage));
-        Self::with(gpu, request, (screen, triangles), stages)
+        Self::in_stages(gpu, request, (walks_screen, triangles), stages)
     }
 
     /// Makes the method `traced`, whose rays are all traced among the triangles, without a walk over the screen.
     pub(super) fn among_triangles(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
-        Self::with(gpu, request, (false, request.triangles), [StageChoice::Auto.on(gpu, Stage::Published); 2])
+        let stage = StageChoice::Auto.on(gpu, Stage::Published);
+        Self::in_stages(gpu, request, (false, request.triangles), [stage; 2])
     }
 
-    /// Makes the method. `screen` says whether rays walk over the screen; `trace` and `resolve` are shader stages.
-    fn with(
+    /// Makes the method for the shader stages of the passes that trace and of those that gather.
+    fn in_stages(
         gpu: &Gpu,
         request: &MethodRequest,
-        (screen, triangles): (bool, Option<TriangleReading>),
-        [trace, resolve]: [ShaderStage; 2],
+        (walks_screen, triangles): (bool, Option<TriangleReading>),
+        [trace_stage, resolve_stage]: [ShaderStage; 2],
     ) -> Result<Self> {
         let Setup { extent, projection, .. } = request.setup;
         let (effect, hits) = (request.setup.effect(), request.hits);
-        let followed = request.captures.is_some() || triangles.is_some();
+        let follows_lost_rays = request.captures.is_some() || triangles.is_some();
         // A program that writes hits writes composite and reflection, too.
         let (composite, reflection) = (request.composite || hits, request.reflection || hits);
         let stores_ends = effect.history == HistoryUse::On;
-        let parts = UnifiedSetup {
+        let setup = UnifiedSetup {
             extent,
             projection,
             strip: pyramid::strip(extent),
             // A hit from behind is a worse guess than the end that captures or triangles give.
-            oracle: if followed { OracleVersion::V2 } else { effect.oracle },
-            over: effect.fallback != Fallback::None,
+            oracle: if follows_lost_rays { OracleVersion::V2 } else { effect.oracle },
+            over_fallback: effect.fallback != Fallback::None,
             composite,
             reflection,
-            screen,
-            followed,
+            walks_screen,
+            follows_lost_rays,
             triangles,
             own_rays: if request.captures.is_some() { 0 } else { effect.own_rays.on(gpu, triangles.is_some()) },
             stores_ends,
-            trace,
-            resolve,
+            trace_stage,
+            resolve_stage,
         };
-        let image = |name| parts.target(gpu, name, LIT_COLOR);
+        let image = |name| setup.target(gpu, name, LIT_COLOR);
         let beyond = match (triangles, request.captures) {
-            (Some(triangles), _) if screen => {
+            (Some(triangles), _) if walks_screen => {
                 let wanted = TriangleWants { composite, reflection, hits, stores_ends, projection };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
             }
             (None, Some(face)) => {
-                let over = parts.over;
-                let wanted = FollowWants { over, composite, reflection, hits, stores_ends, behind: false, projection };
+                let wanted = FollowWants {
+                    over_fallback: setup.over_fallback,
+                    composite,
+                    reflection,
+                    hits,
+                    stores_ends,
+                    is_fallback: false,
+                    projection,
+                };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
             // Rays that are traced among the triangles at once are never lost.
@@ -263,25 +271,25 @@ impl UnifiedMethod {
         };
         let list_content = match &beyond {
             Some(_) => ListContent::Rays,
-            None if parts.own_rays > 0 => ListContent::Pixels,
+            None if setup.own_rays > 0 => ListContent::Pixels,
             None => ListContent::Nothing,
         };
         Ok(Self {
             pyramid: PyramidPass::for_projection(gpu, extent, projection)?,
             color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
-            trace: UnifiedTracePass::new(gpu, &parts, hits)?,
-            gloss: UnifiedGlossPass::new(gpu, &parts)?,
-            own: OwnRaysPass::new(gpu, &parts)?,
+            trace: UnifiedTracePass::new(gpu, &setup, hits)?,
+            gloss: UnifiedGlossPass::new(gpu, &setup)?,
+            own_rays: OwnRaysPass::new(gpu, &setup)?,
             lost: LostRays::new(gpu, extent, list_content)?,
             beyond,
-            screen,
+            walks_screen,
             screen_colors: triangles.is_some_and(|triangles| triangles.screen_colors),
             stores_ends,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
             // Rays go on where the screen ends, so that nothing fades there.
-            fade: effect.fade && !followed,
+            fade: effect.fade && !follows_lost_rays,
             border: request.setup.parameters(),
             max_point_offset_px: max_point_offset_px(gpu.precision(), effect.divisor()),
         })
@@ -290,6 +298,31 @@ impl UnifiedMethod {
     /// Records the pass that empties the list of lost rays, before a pass that fills it.
     fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
         if self.beyond.is_some() { self.lost.clear(frame) } else { Ok(()) }
+    }
+
+    /// Records the passes of the colour chain, or tells the frame why no ray looks up a blurred colour of the screen.
+    fn record_color_chain(&self, frame: &mut Frame, input: &Input, plan: Plan) -> Result<()> {
+        let why_skipped = if self.screen_colors {
+            None
+        } else if !self.walks_screen {
+            Some("no ray looks up a colour on the screen")
+        } else if input.triangles.is_some() {
+            Some("what a ray hits is shaded as the triangle that it is on")
+        } else if plan.narrow || plan.wide {
+            None
+        } else {
+            Some("no material that is drawn is glossy")
+        };
+        match (why_skipped, input.sky) {
+            (Some(why), _) => frame.skip("color", why),
+            (None, Some(_)) => {
+                self.color.record_without_sky(frame, &input.gbuffer)?;
+            }
+            (None, None) => {
+                self.color.record(frame, &input.gbuffer)?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -311,7 +344,7 @@ impl Plan {
     }
 
     /// Tells the frame which passes are left out, and why.
-    fn skip(self, frame: &mut Frame) {
+    fn note_skipped(self, frame: &mut Frame) {
         let left_out: [(bool, &[&str], &str); 4] = [
             (self.whole, &["classify"], "every material that is drawn and lit reflects, and in one way"),
             (!self.mirrors, &["trace/mirrors"], "no material that is drawn is a mirror"),
@@ -334,18 +367,18 @@ impl Method for UnifiedMethod {
             return Ok(MethodOutput::nothing(&gbuffer));
         }
         let plan = Plan::new(gbuffer.reflectors);
-        plan.skip(frame);
+        plan.note_skipped(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         [parameters.fade_start, parameters.fade_end] = self.border.ends();
-        parameters.turn = input.rested as i32;
+        parameters.turn = input.frames_at_rest as i32;
         parameters.sky = i32::from(input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
         let lit = input.triangles.zip(input.scene);
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
         // The sides of a pixel are twice as long as `pixel_to_view`, which is for half a pixel.
         let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
-        let beside = self.max_point_offset_px * width.hypot(height);
-        let triangle_block = input.triangles.map(|t| t.block(input.camera, beside)).unwrap_or_default();
+        let max_offset = self.max_point_offset_px * width.hypot(height);
+        let triangle_block = input.triangles.map(|t| t.block(input.camera, max_offset)).unwrap_or_default();
         let triangle_bindings = input.triangles.map(|triangles| TriangleBindings {
             triangles,
             block: &triangle_block,
@@ -358,84 +391,72 @@ impl Method for UnifiedMethod {
             screen_depth: Sampled::nearest(gbuffer.depth.all()),
         });
         let wants_triangle = triangle_bindings.is_some() && gbuffer.triangle.is_none();
-        let beyond = self.lost.beyond(frame, &block, input.sky, wants_triangle)?;
-        let followed_in = match (triangle_bindings, input.captures) {
+        let lost_rays = self.lost.bindings(frame, &block, input.sky, wants_triangle)?;
+        let beyond_input = match (triangle_bindings, input.captures) {
             (Some(triangle_bindings), _) => {
-                Some(BeyondInput::Triangles(TriangleInput { parameters: &parameters, triangle_bindings, beyond }))
+                Some(BeyondInput::Triangles(TriangleInput { parameters: &parameters, triangle_bindings, lost_rays }))
             }
-            (None, Some(captures)) => Some(BeyondInput::Captures(FollowInput { captures, beyond })),
+            (None, Some(captures)) => Some(BeyondInput::Captures(FollowInput { captures, lost_rays })),
             (None, None) => None,
         };
-        let followed = self.beyond.as_ref().zip(followed_in.as_ref());
+        let beyond = self.beyond.as_ref().zip(beyond_input.as_ref());
         let canvas = Canvas { composite: self.composite.as_ref(), reflection: self.reflection.as_ref() };
 
-        let pyramid = if self.screen {
-            input.once(|| self.pyramid.record(frame, &gbuffer, &parameters), || self.pyramid.made())?
+        let pyramid = if self.walks_screen {
+            input.in_first_bounce(|| self.pyramid.record(frame, &gbuffer, &parameters), || self.pyramid.recorded())?
         } else {
             frame.skip("pyramid", "no ray walks over the screen");
-            self.pyramid.made()
+            self.pyramid.recorded()
         };
-        let chain = |frame: &mut Frame| match input.sky {
-            Some(_) => self.color.record_without_sky(frame, &gbuffer),
-            None => self.color.record(frame, &gbuffer),
-        };
-        if self.screen_colors {
-            chain(frame)?;
-        } else if !self.screen {
-            frame.skip("color", "no ray looks up a colour on the screen");
-        } else if triangle_bindings.is_some() {
-            frame.skip("color", "what a ray hits is shaded as the triangle that it is on");
-        } else if plan.narrow || plan.wide {
-            chain(frame)?;
-        } else {
-            frame.skip("color", "no material that is drawn is glossy");
-        }
+        self.record_color_chain(frame, input, plan)?;
         let tiles = if plan.whole {
             self.classify.whole()
         } else {
-            let tiles = input.once(|| self.classify.record(frame, &gbuffer, &parameters), || self.classify.made())?;
+            let classify = &self.classify;
+            let tiles =
+                input.in_first_bounce(|| classify.record(frame, &gbuffer, &parameters), || classify.recorded())?;
             canvas.begin(frame, gbuffer.color)?;
             tiles
         };
         let hits = if plan.mirrors {
-            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, triangle_bindings };
+            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, lost_rays, triangle_bindings };
             self.clear_lost(frame)?;
             let hits = self.trace.record(frame, &input, &parameters)?;
-            if let Some((pass, followed_in)) = followed {
-                pass.mirrors(frame, followed_in, (&gbuffer, canvas, hits))?;
+            if let Some((pass, input)) = beyond {
+                pass.record_mirrors(frame, input, (&gbuffer, canvas, hits))?;
             }
             hits
         } else {
-            self.trace.no_hits(frame)?
+            self.trace.clear_hits(frame)?
         };
-        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, triangle_bindings };
-        let own = OwnRaysInput { gbuffer, pyramid, canvas, beyond, triangle_bindings };
-        let between = self.gloss.between();
+        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, lost_rays, triangle_bindings };
+        let own_rays = OwnRaysInput { gbuffer, pyramid, canvas, lost_rays, triangle_bindings };
+        let gloss_images = self.gloss.images();
         if plan.narrow {
             self.clear_lost(frame)?;
             self.gloss.trace_narrow(frame, &gloss, &parameters)?;
-            if let Some((pass, followed_in)) = followed {
-                pass.narrow(frame, followed_in, between)?;
+            if let Some((pass, input)) = beyond {
+                pass.record_narrow(frame, input, gloss_images)?;
             }
-            self.own.clear(frame, &self.lost)?;
+            self.own_rays.clear(frame, &self.lost)?;
             self.gloss.resolve_narrow(frame, &gloss, &parameters)?;
-            self.own.record(frame, "own/narrow", own, &parameters)?;
+            self.own_rays.record(frame, "own/narrow", own_rays, &parameters)?;
         }
         if plan.wide {
             self.clear_lost(frame)?;
             self.gloss.trace_wide(frame, &gloss, &parameters)?;
-            if let Some((pass, followed_in)) = followed {
-                pass.wide(frame, followed_in, between)?;
+            if let Some((pass, input)) = beyond {
+                pass.record_wide(frame, input, gloss_images)?;
             }
-            self.own.clear(frame, &self.lost)?;
+            self.own_rays.clear(frame, &self.lost)?;
             self.gloss.resolve_wide(frame, &gloss, &parameters)?;
-            self.own.record(frame, "own/wide", own, &parameters)?;
+            self.own_rays.record(frame, "own/wide", own_rays, &parameters)?;
         }
 
         let reflection = canvas.reflection.map(Reflection);
-        let ends = self.stores_ends.then_some(&between.ends);
-        let intermediates = self.screen.then(|| pyramid.shown(gbuffer.depth.extent())).into_iter().collect();
-        Ok(MethodOutput { reflection, composite: canvas.composite, hits, ends, intermediates })
+        let ends = self.stores_ends.then_some(&gloss_images.ends);
+        let pyramid = self.walks_screen.then(|| pyramid.as_intermediate(gbuffer.depth.extent()));
+        Ok(MethodOutput { reflection, composite: canvas.composite, hits, ends, intermediates: Vec::from_iter(pyramid) })
     }
 }
 

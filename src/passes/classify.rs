@@ -25,20 +25,11 @@ impl ClassifyPass {
         use vk::BufferUsageFlags as U;
         let tiles = tiles::count(extent);
         let [x, y] = tiles.map(u64::from);
+        let listed = ImageDesc::one_level("listed tiles", vk::Format::R32_UINT, tiles, vk::ImageUsageFlags::STORAGE);
         Ok(Self {
             pipeline: ComputePipeline::new(gpu)?,
             lists: Buffer::new(gpu, "tiles", 4 * LISTS as u64 * x * y, U::STORAGE_BUFFER, MemoryPlace::Device)?,
-            listed: Image::new(
-                gpu,
-                &ImageDesc {
-                    name: "listed tiles",
-                    format: vk::Format::R32_UINT,
-                    extent: tiles,
-                    levels: 1,
-                    layers: 1,
-                    usage: vk::ImageUsageFlags::STORAGE,
-                },
-            )?,
+            listed: Image::new(gpu, &listed)?,
             arguments: Buffer::new(
                 gpu,
                 "tile counts",
@@ -61,11 +52,11 @@ impl ClassifyPass {
             listed_image: self.listed.all(),
         };
         frame.compute("classify/tiles", &self.pipeline, &classify, [x, y, 1])?;
-        Ok(self.made())
+        Ok(self.recorded())
     }
 
     /// Returns the lists as they were recorded last.
-    pub fn made(&self) -> Tiles<'_> {
+    pub fn recorded(&self) -> Tiles<'_> {
         self.tiles(false)
     }
 

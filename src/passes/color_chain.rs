@@ -98,12 +98,12 @@ impl ColorChainPass {
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         match &self.0 {
-            LevelPipelines::Blits => blits(frame, chain, 1..chain.levels())?,
+            LevelPipelines::Blits => record_blits(frame, chain, 1..chain.levels())?,
             LevelPipelines::Coarse(_, pipeline) => record_levels(frame, chain, 1, pipeline)?,
             LevelPipelines::Gaussian(pipeline, between) => {
                 for level in 1..chain.levels() {
                     let levels = [chain.level(level - 1), between.level(level), chain.level(level)];
-                    gaussian(frame, level, pipeline, levels)?;
+                    record_gaussian(frame, level, pipeline, levels)?;
                 }
             }
             LevelPipelines::Masked(..) => return Err(Error::Usage("a masked chain reads the Hi-Z buffer".into())),
@@ -117,7 +117,7 @@ impl ColorChainPass {
     /// [`Error::Usage`] for a pass that [`Self::in_few_passes`] did not make.
     pub fn record_without_sky<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
-        let LevelPipelines::Coarse(first, coarsest) = &self.0 else {
+        let LevelPipelines::Coarse(first, coarse) = &self.0 else {
             return Err(Error::Usage("a chain without sky is made in few passes".into()));
         };
         if chain.levels() > 1 {
@@ -125,7 +125,7 @@ impl ColorChainPass {
             let [width, height] = coarser.extent();
             frame.compute("color/1", first, &ColorFirst { finest, coarser }, [width, height, 1])?;
         }
-        record_levels(frame, chain, 2, coarsest)?;
+        record_levels(frame, chain, 2, coarse)?;
         Ok(ColorChain(chain))
     }
 
@@ -172,7 +172,7 @@ fn intermediate_image(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], format: v
 }
 
 /// Records blits that make some levels of a chain, each from the next finer level.
-fn blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
+fn record_blits(frame: &mut Frame, chain: &Image, mut levels: Range<u32>) -> Result<()> {
     levels.try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
 }
 
@@ -186,15 +186,15 @@ fn record_levels(
 ) -> Result<()> {
     match chain.levels().checked_sub(COARSE_LEVELS) {
         Some(first) if first >= from && chain.format() == LIT_COLOR => {
-            blits(frame, chain, from..first)?;
-            coarse(frame, chain, first, pipeline)
+            record_blits(frame, chain, from..first)?;
+            record_coarse(frame, chain, first, pipeline)
         }
-        _ => blits(frame, chain, from..chain.levels()),
+        _ => record_blits(frame, chain, from..chain.levels()),
     }
 }
 
 /// Records the last [`COARSE_LEVELS`] levels of a chain, from level `first` on, in one dispatch.
-fn coarse(
+fn record_coarse(
     frame: &mut Frame,
     chain: &Image,
     first: u32,
@@ -215,7 +215,7 @@ fn coarse(
 }
 
 /// Records a level as the Gaussian of the next finer level `below`, along x into `between`, then along y into `here`.
-fn gaussian(
+fn record_gaussian(
     frame: &mut Frame,
     level: u32,
     pipeline: &PixelPipeline<GaussianBlur<'static>>,

@@ -54,13 +54,13 @@ impl ConeMarchPass {
         })
     }
 
-    /// Records pass "cone march". `behind` is the second layer, filtered, where there are two.
+    /// Records pass "cone march".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         filtered: FilteredGBuffer,
-        behind: Option<FilteredGBuffer>,
+        second_layer: Option<FilteredGBuffer>,
         camera: &Camera,
         poster: &PosterBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
@@ -71,7 +71,7 @@ impl ConeMarchPass {
         let filtered_normal = Sampled::trilinear(filtered.normal.all());
         let filtered_color = Sampled::trilinear(filtered.color.all());
         // A program for one layer does not read the bindings of the second.
-        let behind = behind.unwrap_or(filtered);
+        let behind = second_layer.unwrap_or(filtered);
         let behind_depth = Sampled::trilinear(behind.depth.all());
         let behind_normal = Sampled::trilinear(behind.normal.all());
         let behind_color = Sampled::trilinear(behind.color.all());

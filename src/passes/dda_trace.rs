@@ -26,18 +26,18 @@ impl DdaTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Records pass "ray march". `behind` is the second layer, where there are two.
+    /// Records pass "ray march".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
-        behind: Option<&GBuffer>,
+        second_layer: Option<&GBuffer>,
         camera: &Camera,
         parameters: &DdaBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
         // A program for one layer does not read the bindings of the second.
-        let behind = behind.unwrap_or(gbuffer);
+        let behind = second_layer.unwrap_or(gbuffer);
         let program = Dda {
             camera: &camera,
             depth_buffer: Sampled::nearest(gbuffer.depth.all()),

@@ -20,11 +20,11 @@ impl FallbackPass {
         })
     }
 
-    /// Records pass "fallback". The fade becomes 1 where `behind`, the fallback, has a colour, and stays elsewhere.
-    pub fn record(&self, frame: &mut Frame, reflection: Reflection, behind: Reflection) -> Result<Reflection<'_>> {
+    /// Records pass "fallback". The fade becomes 1 where the fallback has a colour, and stays elsewhere.
+    pub fn record(&self, frame: &mut Frame, reflection: Reflection, fallback: Reflection) -> Result<Reflection<'_>> {
         let program = programs::Fallback {
             reflection_buffer: Sampled::nearest(reflection.0.all()),
-            fallback_buffer: Sampled::nearest(behind.0.all()),
+            fallback_buffer: Sampled::nearest(fallback.0.all()),
         };
         frame.pixels("fallback", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))

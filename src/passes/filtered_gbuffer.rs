@@ -118,7 +118,7 @@ impl FilteredGBufferPass {
         match &self.images {
             Images::Mip(chains) => {
                 let [depth, normal] = chains.as_ref();
-                self.linear_depth(frame, gbuffer, camera, depth.level(0))?;
+                self.record_linear_depth(frame, gbuffer, camera, depth.level(0))?;
                 frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.level(0))?;
                 for (name, chain) in [("depth", depth), ("normal", normal), ("color", gbuffer.color)] {
                     for level in 1..chain.levels() {
@@ -130,21 +130,21 @@ impl FilteredGBufferPass {
             }
             Images::EdgeAware(chains) => {
                 let [depth, normal, color] = &chains.chains;
-                self.linear_depth(frame, gbuffer, camera, depth.level(0))?;
+                self.record_linear_depth(frame, gbuffer, camera, depth.level(0))?;
                 frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.level(0))?;
                 frame.copy(&format!("{prefix}filter/0 color"), gbuffer.color.level(0), color.level(0))?;
                 for level in 1..depth.levels() {
-                    chains.reduce(frame, level, prefix)?;
+                    chains.record_level(frame, level, prefix)?;
                 }
                 Ok(FilteredGBuffer { depth, normal, color })
             }
             Images::Volume(volumes) => {
                 let [depth, normal, color] = &volumes.volumes;
-                self.linear_depth(frame, gbuffer, camera, depth.slice(0))?;
+                self.record_linear_depth(frame, gbuffer, camera, depth.slice(0))?;
                 frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.slice(0))?;
                 frame.copy(&format!("{prefix}filter/0 color"), gbuffer.color.level(0), color.slice(0))?;
                 for slice in 1..depth.depth() {
-                    volumes.blur(frame, slice, prefix)?;
+                    volumes.record_slice(frame, slice, prefix)?;
                 }
                 Ok(FilteredGBuffer { depth, normal, color })
             }
@@ -152,7 +152,7 @@ impl FilteredGBufferPass {
     }
 
     /// Records pass "linear depth", which writes view-space z, in metres, to a level or slice `to`.
-    fn linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
+    fn record_linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
         let block = camera_block(camera, to.extent());
         let (camera, depth_buffer) = (&block, Sampled::nearest(gbuffer.depth.all()));
         let (name, targets) = (format!("{}linear depth", self.prefix), [Target::overwrite(to)]);
@@ -169,7 +169,7 @@ impl FilteredGBufferPass {
 
 impl EdgeAwareChains {
     /// Records the pass that makes a level of all three chains from the next finer level.
-    fn reduce(&self, frame: &mut Frame, level: u32, prefix: &str) -> Result<()> {
+    fn record_level(&self, frame: &mut Frame, level: u32, prefix: &str) -> Result<()> {
         let [depth_source, normal_source, color_source] =
             self.chains.each_ref().map(|chain| Sampled::nearest(chain.level(level - 1)));
         let edge = &EdgeAwareBlock { tolerance: self.tolerance };
@@ -181,10 +181,10 @@ impl EdgeAwareChains {
 
 impl Volumes {
     /// Records the two passes that make a slice of all three volumes by blurring the slice before it along x, then y.
-    fn blur(&self, frame: &mut Frame, slice: u32, prefix: &str) -> Result<()> {
+    fn record_slice(&self, frame: &mut Frame, slice: u32, prefix: &str) -> Result<()> {
         let inverse_size = self.volumes[0].extent().map(|side| 1.0 / side as f32);
         let step = tap_distance(slice);
-        let push = |direction: [f32; 2]| PosterBlurBlock {
+        let block_along = |direction: [f32; 2]| PosterBlurBlock {
             inverse_size,
             direction: [direction[0] * step * inverse_size[0], direction[1] * step * inverse_size[1]],
             slice: (slice as f32 - 0.5) / self.volumes[0].depth() as f32, // the middle of the slice before
@@ -194,13 +194,13 @@ impl Volumes {
             depth_source: Sampled::trilinear(self.volumes[0].all()),
             normal_source: Sampled::trilinear(self.volumes[1].all()),
             color_source: Sampled::trilinear(self.volumes[2].all()),
-            blur: &push([1.0, 0.0]),
+            blur: &block_along([1.0, 0.0]),
         };
         let down = PosterBlurDown {
             depth_source: Sampled::trilinear(self.between[0].all()),
             normal_source: Sampled::trilinear(self.between[1].all()),
             color_source: Sampled::trilinear(self.between[2].all()),
-            blur: &push([0.0, 1.0]),
+            blur: &block_along([0.0, 1.0]),
         };
         let between = self.between.each_ref().map(|image| Target::overwrite(image.all()));
         let slices = self.volumes.each_ref().map(|image| Target::overwrite(image.slice(slice)));

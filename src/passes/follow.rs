@@ -21,7 +21,7 @@ pub struct FollowPass {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FollowWants {
     /// Whether another reflection, a fallback, shows where no image shows the end of a ray.
-    pub over: bool,
+    pub over_fallback: bool,
     /// Whether the finished image is wanted.
     pub composite: bool,
     /// Whether the reflection is wanted as an image of its own.
@@ -31,7 +31,7 @@ pub struct FollowWants {
     /// Whether the passes store, for a history, where each ray of a glossy pixel ended.
     pub stores_ends: bool,
     /// Whether the method is a fallback, so that rays begin only where the reflection in front is not opaque.
-    pub behind: bool,
+    pub is_fallback: bool,
     /// The screen's projection.
     pub projection: ProjectionKind,
 }
@@ -42,21 +42,26 @@ pub struct FollowInput<'a> {
     /// The captures in which rays go on.
     pub captures: Captures<'a>,
     /// The list of rays, the camera among the captures, and the sky.
-    pub beyond: LostRayBindings<'a>,
+    pub lost_rays: LostRayBindings<'a>,
 }
 
 impl FollowPass {
     /// Compiles the pipelines, for faces whose pyramids have strips of 2^`strip` columns.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
-        let FollowWants { over, composite, reflection, hits, stores_ends, behind, projection } = wanted;
-        let begin = programs::BeginInCapturesConstants { behind, orthographic: projection.is_orthographic() };
+        let FollowWants { over_fallback: over, composite, reflection, hits, stores_ends, is_fallback, projection } =
+            wanted;
+        let begin =
+            programs::BeginInCapturesConstants { behind: is_fallback, orthographic: projection.is_orthographic() };
         let mirrors = programs::FollowMirrorsConstants { strip, over, composite, reflection, hits };
         Ok(Self {
-            begin: ComputePipeline::with(gpu, &begin)?,
-            mirrors: ComputePipeline::with(gpu, &mirrors)?,
-            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over, stores_ends })?,
-            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over, stores_ends })?,
+            begin: ComputePipeline::with_constants(gpu, &begin)?,
+            mirrors: ComputePipeline::with_constants(gpu, &mirrors)?,
+            narrow: ComputePipeline::with_constants(
+                gpu,
+                &programs::FollowNarrowConstants { strip, over, stores_ends },
+            )?,
+            wide: ComputePipeline::with_constants(gpu, &programs::FollowWideConstants { strip, over, stores_ends })?,
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
@@ -65,7 +70,7 @@ impl FollowPass {
     pub fn record_begin(
         &self,
         frame: &mut Frame,
-        beyond: LostRayBindings,
+        lost_rays: LostRayBindings,
         gbuffer: &GBuffer,
         in_front: Option<Reflection>,
         parameters: &UnifiedBlock,
@@ -77,7 +82,7 @@ impl FollowPass {
             normal_buffer: Sampled::nearest(gbuffer.normal.all()),
             material_buffer: Sampled::nearest(gbuffer.material.all()),
             reflection_buffer: Sampled::nearest(in_front.map_or(gbuffer.color.level(0), |r| r.0.all())),
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
         };
         frame.compute("begin", &self.begin, &program, [width, height, 1])
     }
@@ -86,7 +91,7 @@ impl FollowPass {
     pub fn record_mirrors(
         &self,
         frame: &mut Frame,
-        FollowInput { captures, beyond }: FollowInput,
+        FollowInput { captures, lost_rays }: FollowInput,
         gbuffer: &GBuffer,
         canvas: Canvas,
         hits: Option<Hits>,
@@ -104,9 +109,9 @@ impl FollowPass {
             composite_image: canvas.composite.unwrap_or(any).all(),
             reflection_image: canvas.reflection.unwrap_or(any).all(),
             hits_image: hits.all(),
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
         };
-        frame.compute_indirect("follow/mirrors", &self.mirrors, &program, (beyond.counts, 0))
+        frame.compute_indirect("follow/mirrors", &self.mirrors, &program, (lost_rays.counts, 0))
     }
 
     /// Records pass "follow/narrow", which follows the rays of narrow lobes. It writes to `records` what they see, and
@@ -114,7 +119,7 @@ impl FollowPass {
     pub fn record_narrow(
         &self,
         frame: &mut Frame,
-        FollowInput { captures, beyond }: FollowInput,
+        FollowInput { captures, lost_rays }: FollowInput,
         [records, ends]: [&Image; 2],
     ) -> Result<()> {
         let program = programs::FollowNarrow {
@@ -124,9 +129,9 @@ impl FollowPass {
             color_cubes: Sampled::trilinear(captures.color.all()),
             seen_image: records.all(),
             ends_image: ends.all(),
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
         };
-        frame.compute_indirect("follow/narrow", &self.narrow, &program, (beyond.counts, 0))
+        frame.compute_indirect("follow/narrow", &self.narrow, &program, (lost_rays.counts, 0))
     }
 
     /// Records pass "follow/wide", which follows the rays of cells with wide lobes. It writes to `seen` what they see,
@@ -134,7 +139,7 @@ impl FollowPass {
     pub fn record_wide(
         &self,
         frame: &mut Frame,
-        FollowInput { captures, beyond }: FollowInput,
+        FollowInput { captures, lost_rays }: FollowInput,
         [place, seen, ends]: [&Image; 3],
     ) -> Result<()> {
         let program = programs::FollowWide {
@@ -145,8 +150,8 @@ impl FollowPass {
             place_image: place.all(),
             seen_image: seen.all(),
             ends_image: ends.all(),
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
         };
-        frame.compute_indirect("follow/wide", &self.wide, &program, (beyond.counts, 0))
+        frame.compute_indirect("follow/wide", &self.wide, &program, (lost_rays.counts, 0))
     }
 }

@@ -1,7 +1,7 @@
 //! Draws the G-buffer: albedo, normal, material and reversed depth of the nearest surface, from the meshes that may lie
 //! in the frustum. The time of this scene pass is reported, but not counted.
 
-use super::scene_data::{MeshData, SceneData};
+use super::scene_data::{MeshData, SceneData, half_bits};
 use super::triangle_scene::TRIANGLE;
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
@@ -30,7 +30,7 @@ pub struct GBufferImages {
 }
 
 /// The texel of the image of triangles for a pixel in which nothing stands.
-const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
+const NO_TRIANGLE_TEXEL: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
 
 /// Pipelines and images of one size.
 pub struct GBufferPass {
@@ -63,7 +63,7 @@ pub struct Peel<'a> {
 }
 
 /// Makes a fragment program from the bindings of a surface, which every such program has, and from its own fields.
-macro_rules! drawn_by {
+macro_rules! fragment_program {
     ($program:ident, $view:expr, $surface:expr $(, $field:ident: $value:expr)*) => {
         $program {
             camera: &$view.camera,
@@ -113,10 +113,17 @@ impl GBufferImages {
     fn with_formats(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, [normal, color]: [vk::Format; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            depth: image_of(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
-            normal: image_of(gpu, "normal", normal, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
-            material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
-            color: image_of(gpu, "color", color, extent, image::full_chain(extent), U::COLOR_ATTACHMENT | U::STORAGE)?,
+            depth: make_image(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
+            normal: make_image(gpu, "normal", normal, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
+            material: make_image(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
+            color: make_image(
+                gpu,
+                "color",
+                color,
+                extent,
+                image::full_chain(extent),
+                U::COLOR_ATTACHMENT | U::STORAGE,
+            )?,
         })
     }
 
@@ -135,13 +142,13 @@ impl GBufferImages {
     pub fn upload_unsound(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         let padded = |all: &[Vec3], w: f32| all.iter().flat_map(|v| v.extend(w).to_array().map(half_bits)).collect();
         let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
-        let shown = data.surface.iter().zip(&data.depth);
-        for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(shown) {
+        let surfaces_and_depths = data.surface.iter().zip(&data.depth);
+        for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(surfaces_and_depths) {
             // The lighting pass stores the same alpha.
             color[3] = half_bits(if *surface == Surface::Lit && *depth > 0.0 { 1.0 } else { 0.0 });
         }
         let images = Self::new(context.gpu(), [data.width, data.height])?;
-        images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
+        images.fill(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
     }
 
     /// Uploads as [`GBufferImages::upload`] does, but with colours and normals in 32-bit floats, which can hold the
@@ -152,25 +159,24 @@ impl GBufferImages {
             all.iter().flat_map(|v| v.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
         };
         let images = Self::with_formats(context.gpu(), [data.width, data.height], DEPTH, [WIDE; 2])?;
-        images.filled(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
+        images.fill(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
     }
 
     /// Fills the images with depth and material of a G-buffer, and with `normal` and `color`, bytes in their formats.
-    fn filled(self, context: &mut FrameContext, data: &GBufferData, [normal, color]: [&[u8]; 2]) -> Result<Self> {
-        let images = self;
+    fn fill(self, context: &mut FrameContext, data: &GBufferData, [normal, color]: [&[u8]; 2]) -> Result<Self> {
         let material: Vec<u16> =
             data.reflectivity.iter().zip(&data.roughness).flat_map(|(a, b)| [half_bits(*a), half_bits(*b)]).collect();
         let content: [(&Image, &[u8]); 4] = [
-            (&images.depth, bytemuck::cast_slice(&data.depth)),
-            (&images.normal, normal),
-            (&images.material, bytemuck::cast_slice(&material)),
-            (&images.color, color),
+            (&self.depth, bytemuck::cast_slice(&data.depth)),
+            (&self.normal, normal),
+            (&self.material, bytemuck::cast_slice(&material)),
+            (&self.color, color),
         ];
         for (image, bytes) in content {
             let staging = Buffer::upload(context.gpu(), "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
             context.once(|frame| frame.upload("upload", &staging, image.level(0)))?;
         }
-        Ok(images)
+        Ok(self)
     }
 
     /// Returns the images in the form in which methods read them.
@@ -201,14 +207,8 @@ fn vertex_input() -> VertexInput<'static> {
     }
 }
 
-/// Returns the bits of a number as a 16-bit float, clamped to the range of such floats.
-fn half_bits(number: f32) -> u16 {
-    let most = half::f16::MAX.to_f32();
-    half::f16::from_f32(number.clamp(-most, most)).to_bits()
-}
-
 /// Makes an image that passes can also sample and copy; `usage` is what else they use it for.
-fn image_of(
+fn make_image(
     gpu: &Gpu,
     name: &str,
     format: vk::Format,
@@ -226,7 +226,7 @@ impl GBufferPass {
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), TARGETS, DEPTH)?;
         let depth = GraphicsPipeline::mesh(gpu, vertex_input(), [], DEPTH)?;
-        Ok(Self { depth: Some(depth), ..Self::with(gpu, extent, DEPTH, GBufferPipeline::Nearest(pipeline))? })
+        Ok(Self { depth: Some(depth), ..Self::with_pipeline(gpu, extent, DEPTH, GBufferPipeline::Nearest(pipeline))? })
     }
 
     /// Makes a pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), if the device can.
@@ -240,7 +240,7 @@ impl GBufferPass {
         let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), targets, DEPTH)?;
         Ok(Self {
             pipeline: GBufferPipeline::Numbered(pipeline),
-            triangle: Some(image_of(gpu, "triangle", TRIANGLE, extent, 1, usage)?),
+            triangle: Some(make_image(gpu, "triangle", TRIANGLE, extent, 1, usage)?),
             ..plain
         })
     }
@@ -248,22 +248,22 @@ impl GBufferPass {
     /// Makes a pass that draws the nearest surfaces behind those of another pass, by depth peeling (Everitt 2001).
     pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), TARGETS, DEPTH)?;
-        Self::with(gpu, extent, DEPTH, GBufferPipeline::Peeled(pipeline))
+        Self::with_pipeline(gpu, extent, DEPTH, GBufferPipeline::Peeled(pipeline))
     }
 
     /// Makes a pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
     pub fn where_marked(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         let pipeline = GraphicsPipeline::mesh_where_marked(gpu, vertex_input(), TARGETS, DEPTH_STENCIL)?;
-        Self::with(gpu, extent, DEPTH_STENCIL, GBufferPipeline::Nearest(pipeline))
+        Self::with_pipeline(gpu, extent, DEPTH_STENCIL, GBufferPipeline::Nearest(pipeline))
     }
 
     /// Makes a pass that draws no depth beforehand and writes no triangles.
-    fn with(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, pipeline: GBufferPipeline) -> Result<Self> {
+    fn with_pipeline(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, pipeline: GBufferPipeline) -> Result<Self> {
         Ok(Self {
             depth: None,
             pipeline,
             images: GBufferImages::with_depth(gpu, extent, depth)?,
-            albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
+            albedo: make_image(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
             triangle: None,
             label: "g-buffer",
         })
@@ -310,24 +310,24 @@ impl GBufferPass {
             (GBufferPipeline::Nearest(pipeline), _) => {
                 frame.raster(self.label, pipeline, self.targets(), depth, |raster| {
                     view.draw(raster, |raster, surface| {
-                        let fragment = drawn_by!(GBufferFragment, view, surface);
+                        let fragment = fragment_program!(GBufferFragment, view, surface);
                         raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
                     })
                 })?;
             }
             (GBufferPipeline::Numbered(pipeline), Some(triangle)) => {
                 let [albedo, normal, material] = self.targets();
-                let targets = [albedo, normal, material, Target::cleared(triangle.all(), NOTHING)];
+                let targets = [albedo, normal, material, Target::cleared(triangle.all(), NO_TRIANGLE_TEXEL)];
                 frame.raster(self.label, pipeline, targets, depth, |raster| {
                     view.draw(raster, |raster, surface| {
-                        let fragment = drawn_by!(GBufferNumbered, view, surface);
+                        let fragment = fragment_program!(GBufferNumbered, view, surface);
                         raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
                     })
                 })?;
             }
             _ => unreachable!("a pass of GBufferPass::behind records by record_behind"),
         }
-        Ok(view.drawn())
+        Ok(view.counts())
     }
 
     /// Records a pass made by [`GBufferPass::behind`]: draws the nearest surfaces behind the layer `peel`.
@@ -348,11 +348,11 @@ impl GBufferPass {
         frame.raster(self.label, pipeline, self.targets(), self.cleared_depth(), |raster| {
             view.draw(raster, |raster, surface| {
                 let first_depth = Sampled::nearest(peel.depth.all());
-                let fragment = drawn_by!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
+                let fragment = fragment_program!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
                 raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
             })
         })?;
-        Ok(view.drawn())
+        Ok(view.counts())
     }
 
     fn targets(&self) -> [Target<'_>; 3] {
@@ -379,8 +379,8 @@ struct SceneView<'a> {
     scene: &'a SceneData,
     materials: &'a [Material],
     /// The meshes to draw, the last one first. Of surfaces in one place the one drawn last shows: the scene's first.
-    seen: Vec<&'a MeshData>,
-    culled: usize,
+    visible: Vec<&'a MeshData>,
+    culled_count: usize,
     world_to_clip: DMat4,
     camera: CameraBlock,
 }
@@ -390,37 +390,37 @@ impl<'a> SceneView<'a> {
     fn new(scene: &'a SceneData, materials: &'a [Material], camera: &Camera, extent: [u32; 2]) -> Self {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
-        let (seen, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().rev().partition(|mesh| {
+        let (visible, culled): (Vec<&MeshData>, Vec<_>) = scene.meshes.iter().rev().partition(|mesh| {
             let Aabb { min, max } = mesh.bounds.placed(&mesh.placement);
             frustum.may_see(min, max)
         });
         let camera = camera_block(camera, extent);
-        Self { scene, materials, seen, culled: culled.len(), world_to_clip, camera }
+        Self { scene, materials, visible, culled_count: culled.len(), world_to_clip, camera }
     }
 
-    fn drawn(&self) -> DrawnCounts {
+    fn counts(&self) -> DrawnCounts {
         DrawnCounts {
-            meshes: self.seen.len(),
-            culled: self.culled,
-            triangles: self.seen.iter().map(|m| m.index_count as usize / 3).sum(),
-            reflectors: reflectors(self.seen.iter().map(|m| &self.materials[m.material])),
+            meshes: self.visible.len(),
+            culled: self.culled_count,
+            triangles: self.visible.iter().map(|m| m.index_count as usize / 3).sum(),
+            reflectors: reflectors(self.visible.iter().map(|m| &self.materials[m.material])),
         }
     }
 
     /// Returns the view without the meshes that have an alpha mask.
     fn opaque(&self) -> Self {
         let is_opaque = |mesh: &&MeshData| self.materials[mesh.material].alpha_mask.is_none();
-        Self { seen: self.seen.iter().copied().filter(is_opaque).collect(), ..*self }
+        Self { visible: self.visible.iter().copied().filter(is_opaque).collect(), ..*self }
     }
 
-    /// Draws the seen meshes. `bind` binds the programs whenever material or placement differ from the mesh before.
+    /// Draws the visible meshes. `bind` binds the programs whenever material or placement differ from the mesh before.
     fn draw<'r, 'f, F: Fragment>(
         &self,
         raster: &mut Raster<'r, 'f, F, GBufferVertex<'static>>,
         bind: impl Fn(&mut Raster<'r, 'f, F, GBufferVertex<'static>>, &SurfaceInput) -> Result<()>,
     ) -> Result<()> {
         let mut bound = None;
-        for mesh in &self.seen {
+        for mesh in &self.visible {
             if bound != Some((mesh.material, mesh.placement)) {
                 let material = &self.materials[mesh.material];
                 // White needs no filtering, and filtering maps is the largest cost of a fragment on a CPU.

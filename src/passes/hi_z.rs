@@ -36,20 +36,11 @@ impl HiZPass {
 
     fn with_levels(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], levels: u32, format: vk::Format) -> Result<Self> {
         use vk::ImageUsageFlags as U;
+        let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC;
         Ok(Self {
             depth: PixelPipeline::new(gpu, stage, [format], &())?,
             reduce: PixelPipeline::new(gpu, stage, [format], &())?,
-            chain: Image::new(
-                gpu,
-                &ImageDesc {
-                    name: "hi-z",
-                    format,
-                    extent,
-                    levels,
-                    layers: 1,
-                    usage: stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC,
-                },
-            )?,
+            chain: Image::new(gpu, &ImageDesc { name: "hi-z", format, extent, levels, layers: 1, usage })?,
         })
     }
 
@@ -71,11 +62,11 @@ impl HiZPass {
                 &programs::HiZ { Tex: Sampled::nearest(below), hiz: &hiz },
             )?;
         }
-        Ok(self.made())
+        Ok(self.recorded())
     }
 
     /// Returns the chain as it was recorded last.
-    pub fn made(&self) -> HiZ<'_> {
+    pub fn recorded(&self) -> HiZ<'_> {
         HiZ(&self.chain)
     }
 }

@@ -34,11 +34,13 @@ pub struct HistoryPass {
     no_ends: Image,
     /// An image of one texel, `NO_TRIANGLE`, bound if the G-buffer has no triangle numbers.
     no_triangle: Image,
-    /// The state that one frame keeps for the next frame.
-    previous_frame: RefCell<PreviousFrame>,
-    frames: Cell<u32>, // counts recorded frames, which write the two history images in turn
-    averaged: u32,     // the most frames that are averaged
-    deviations: f32,   // how many standard deviations a history may lie from the mean around its pixel
+    last_frames: RefCell<LastFrames>,
+    /// The number of recorded frames, which write the two history images in turn.
+    frames: Cell<u32>,
+    /// The most frames that are averaged.
+    averaged: u32,
+    /// How many standard deviations a history may lie from the mean around its pixel.
+    deviations: f32,
 }
 
 /// The history's program in the chosen stage. The program makes the same images in both stages.
@@ -85,19 +87,19 @@ struct HistoryImages {
     guide: Image,
 }
 
-/// Camera and objects of the last frame, and the changes of the frame that is being recorded.
+/// Camera and objects of the frame that began last, and how they differ from those of the frame before.
 #[derive(Default)]
-struct PreviousFrame {
+struct LastFrames {
     camera: Option<Camera>,
-    standing: Vec<MovableObject>,
-    /// Whether something moved in the last frame.
-    moved: bool,
+    objects: Vec<MovableObject>,
+    /// Whether an object moved.
+    has_movers: bool,
     turns: Turns,
-    /// The objects that moved since the frame before. This field and those below describe the frame since it began.
     movers: Vec<Mover>,
-    change: CameraChange,
-    repeats: bool,
-    before: Option<Camera>,
+    camera_change: CameraChange,
+    /// Whether camera and turns are those of the frame before.
+    is_repetition: bool,
+    camera_before: Option<Camera>,
 }
 
 /// An object that moved since the frame before.
@@ -110,29 +112,29 @@ struct Mover {
 /// Counts of frames that decide in which directions of their lobes the rays of a frame leave.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Turns {
-    /// Number of frames with other directions before this one since the history began. It stops growing once the
-    /// picture has been at rest for as many frames as are averaged.
-    pub drawn: u32,
+    /// Number of frames with other directions before this one since the history began. The number stops growing once
+    /// the picture has been at rest for as many frames as are averaged.
+    pub total: u32,
     /// Number of frames with other directions since the camera last moved; 0 while the camera moves.
-    pub rested: u32,
+    pub at_rest: u32,
     /// Number of frames with other directions that are still to come if nothing moves.
-    left: u32,
+    remaining: u32,
 }
 
 impl Turns {
     /// Returns the turns of the next frame, if at most `averaged` frames are averaged. `has_stopped` says whether the
     /// last moving object came to rest.
     fn next(self, change: CameraChange, has_stopped: bool, averaged: u32) -> Self {
-        let Self { drawn, rested, left } = self;
-        let most = averaged.saturating_sub(1);
-        let left = if change != CameraChange::None || has_stopped { most } else { left };
-        let turned = Self { drawn: drawn.wrapping_add(1), rested: rested.wrapping_add(1), left };
-        match (change, left) {
-            (CameraChange::Moves, _) => Self { rested: 0, ..turned },
+        let Self { total, at_rest, remaining } = self;
+        let starts_again = change != CameraChange::None || has_stopped;
+        let remaining = if starts_again { averaged.saturating_sub(1) } else { remaining };
+        let turned = Self { total: total.wrapping_add(1), at_rest: at_rest.wrapping_add(1), remaining };
+        match (change, remaining) {
+            (CameraChange::Moves, _) => Self { at_rest: 0, ..turned },
             (_, 0) => self, // all directions have been averaged
             // Under a jittered camera no frame repeats the one before, so that the directions never stop changing.
             (CameraChange::Shifts, _) => turned,
-            (CameraChange::None, _) => Self { left: left - 1, ..turned },
+            (CameraChange::None, _) => Self { remaining: remaining - 1, ..turned },
         }
     }
 }
@@ -159,13 +161,13 @@ impl CameraChange {
     }
 }
 
-impl PreviousFrame {
+impl LastFrames {
     /// Returns what may have moved, so that histories must be searched for; `None` in the first frame and if nothing
     /// moved. `motion` says whether the caller gives the motion of surfaces.
     fn search(&self, motion: bool) -> Option<HistorySearch> {
         let movers = !self.movers.is_empty();
-        let moves = self.change == CameraChange::Moves || motion || movers;
-        (self.before.is_some() && moves).then_some(HistorySearch { movers, motion })
+        let may_have_moved = self.camera_change == CameraChange::Moves || motion || movers;
+        (self.camera_before.is_some() && may_have_moved).then_some(HistorySearch { movers, motion })
     }
 }
 
@@ -191,18 +193,18 @@ impl HistoryPass {
         let made = Self {
             gpu: gpu.clone(),
             variant,
-            at_rest: pipeline(gpu, variant, None)?,
+            at_rest: compile(gpu, variant, None)?,
             searching: Default::default(),
             history_images: [make_images()?, make_images()?],
             composite: composite.then(|| image("composite", LIT_COLOR)).transpose()?,
             no_ends: stored_target(gpu, "no ends", ENDS, [1, 1])?,
             no_triangle: stored_target(gpu, "no triangle", vk::Format::R32_UINT, [1, 1])?,
-            previous_frame: RefCell::default(),
+            last_frames: RefCell::default(),
             frames: Cell::new(0),
             averaged,
             deviations,
         };
-        made.searching(HistorySearch::default())?;
+        made.pipeline_for(HistorySearch::default())?;
         Ok(made)
     }
 
@@ -214,24 +216,24 @@ impl HistoryPass {
     /// Forgets all frames, so that the next frame is the first.
     pub fn restart(&self) {
         self.frames.set(0);
-        self.previous_frame.take();
+        self.last_frames.take();
     }
 
     /// Begins a frame that is seen from a camera, with the objects where they stand now. `may_move` says whether other
     /// objects may move, too. Returns the turns that decide in which directions the frame's rays leave.
-    pub fn begin(&self, camera: &Camera, standing: Vec<MovableObject>, may_move: bool) -> Turns {
-        let mut previous_frame = self.previous_frame.borrow_mut();
-        previous_frame.movers = movers(&previous_frame.standing, &standing);
-        previous_frame.before = previous_frame.camera.replace(*camera);
-        let change = previous_frame.before.map(|before| CameraChange::between(&before, camera));
-        previous_frame.change = change.unwrap_or(CameraChange::Moves);
-        let moves = may_move || !previous_frame.movers.is_empty();
+    pub fn begin(&self, camera: &Camera, objects: Vec<MovableObject>, may_move: bool) -> Turns {
+        let mut last = self.last_frames.borrow_mut();
+        last.movers = find_movers(&last.objects, &objects);
+        last.camera_before = last.camera.replace(*camera);
+        let change = last.camera_before.map(|before| CameraChange::between(&before, camera));
+        last.camera_change = change.unwrap_or(CameraChange::Moves);
+        let has_movers = may_move || !last.movers.is_empty();
         let turns = match change {
-            None => Turns { left: self.averaged.saturating_sub(1), ..Turns::default() },
-            Some(change) => previous_frame.turns.next(change, previous_frame.moved && !moves, self.averaged),
+            None => Turns { remaining: self.averaged.saturating_sub(1), ..Turns::default() },
+            Some(change) => last.turns.next(change, last.has_movers && !has_movers, self.averaged),
         };
-        previous_frame.repeats = change == Some(CameraChange::None) && turns == previous_frame.turns;
-        (previous_frame.turns, previous_frame.moved, previous_frame.standing) = (turns, moves, standing);
+        last.is_repetition = change == Some(CameraChange::None) && turns == last.turns;
+        (last.turns, last.has_movers, last.objects) = (turns, has_movers, objects);
         turns
     }
 
@@ -249,11 +251,11 @@ impl HistoryPass {
         reflection: Reflection,
         (ends, motion): (Option<&Image>, Option<SurfaceMotion>),
     ) -> Result<(Reflection<'_>, Option<&Image>)> {
-        let previous_frame = self.previous_frame.borrow();
+        let last = self.last_frames.borrow();
         let turn = self.frames.get() as usize % 2;
         self.frames.set(self.frames.get().wrapping_add(1));
         let [now, earlier] = [&self.history_images[turn], &self.history_images[1 - turn]];
-        if previous_frame.before.is_none() {
+        if last.camera_before.is_none() {
             // The images of an earlier frame are bound in the first frame, too, but not read.
             frame.clear("history/begin", earlier.reflection.all(), [0.0; 4])?;
             frame.clear("history/begin guide", earlier.guide.all(), [0.0; 4])?;
@@ -261,7 +263,7 @@ impl HistoryPass {
         }
         let block = HistoryBlock {
             has_ends: i32::from(ends.is_some()),
-            ..self.block(camera, &previous_frame, gbuffer.depth.extent(), motion)
+            ..self.block(camera, &last, gbuffer.depth.extent(), motion)
         };
         let composite = self.composite.as_ref();
         let program = History {
@@ -283,36 +285,37 @@ impl HistoryPass {
             Target::overwrite(now.guide.all()),
             composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
         ];
-        let search = previous_frame.search(motion.is_some());
-        let pipeline = search.map_or(Ok(&self.at_rest), |search| self.searching(search))?;
+        let search = last.search(motion.is_some());
+        let pipeline = search.map_or(Ok(&self.at_rest), |search| self.pipeline_for(search))?;
         frame.pixels("history", pipeline, targets, &program)?;
         Ok((Reflection(&now.reflection), composite))
     }
 
     /// Returns the program for a frame in which something may have moved, compiled at the first call.
-    fn searching(&self, search: HistorySearch) -> Result<&Pipeline> {
-        let made = &self.searching[search.index()];
-        if let Some(pipeline) = made.get() {
+    fn pipeline_for(&self, search: HistorySearch) -> Result<&Pipeline> {
+        let slot = &self.searching[search.index()];
+        if let Some(pipeline) = slot.get() {
             return Ok(pipeline);
         }
-        let pipeline = pipeline(&self.gpu, self.variant, Some(search))?;
-        Ok(made.get_or_init(|| pipeline))
+        let pipeline = compile(&self.gpu, self.variant, Some(search))?;
+        Ok(slot.get_or_init(|| pipeline))
     }
 
     /// Returns the uniform block of a frame: the matrices to the frame before, and what has moved since then.
     fn block(
         &self,
         camera: &Camera,
-        previous_frame: &PreviousFrame,
+        last: &LastFrames,
         extent: [u32; 2],
         motion: Option<SurfaceMotion>,
     ) -> HistoryBlock {
-        let before = previous_frame.before.as_ref().unwrap_or(camera);
+        let before = last.camera_before.as_ref().unwrap_or(camera);
         // If only the jitter changed, a pixel keeps its own history: the earlier camera is taken to have been this one.
         // To move the history by parts of a pixel would blur it.
-        let earlier = if previous_frame.change == CameraChange::Shifts { camera } else { before };
-        let rests = previous_frame.change != CameraChange::Moves;
-        let settles = previous_frame.change == CameraChange::None;
+        let earlier = if last.camera_change == CameraChange::Shifts { camera } else { before };
+        let is_at_rest = last.camera_change != CameraChange::Moves;
+        let is_unchanged = last.camera_change == CameraChange::None;
+        let has_all_directions = is_unchanged && last.turns.at_rest >= self.averaged;
         let array = |m: DMat4| m.as_mat4().to_cols_array_2d();
         let [clip, clip_before] = [camera, earlier].map(|c| c.view_to_clip_reversed().as_dmat4());
         let [world, world_before] = [camera, earlier].map(|c| c.world_to_view.as_dmat4());
@@ -328,10 +331,10 @@ impl HistoryPass {
             unit: view_unit_m(camera),
             frames: self.averaged as f32,
             deviations: self.deviations,
-            begins: i32::from(previous_frame.before.is_none()),
-            most: if settles { MOST_AT_REST } else { self.averaged as f32 },
-            rests: i32::from(rests) + i32::from(settles && previous_frame.turns.rested >= self.averaged),
-            repeats: i32::from(previous_frame.repeats),
+            begins: i32::from(last.camera_before.is_none()),
+            most: if is_unchanged { MOST_AT_REST } else { self.averaged as f32 },
+            rests: i32::from(is_at_rest) + i32::from(has_all_directions),
+            repeats: i32::from(last.is_repetition),
             view_to_clip: array(clip),
             ..HistoryBlock::default()
         };
@@ -340,7 +343,7 @@ impl HistoryPass {
             let included = if shifted { shifts(before) } else { Vec2::ZERO };
             (block.motion_scale, block.motion_shift) = (scale, (shifts(earlier) - included).to_array());
         }
-        for (data, mover) in block.movers.iter_mut().zip(&previous_frame.movers) {
+        for (data, mover) in block.movers.iter_mut().zip(&last.movers) {
             let [first, end] = mover.triangles;
             *data = MoverData { to_before: array(world_before * mover.back * to_world), triangles: [first, end, 0, 0] };
             block.mover_count += 1;
@@ -350,7 +353,7 @@ impl HistoryPass {
 }
 
 /// Compiles the program for frames in which `search` may have moved, or for frames in which nothing moved.
-fn pipeline(gpu: &Gpu, variant: Variant, search: Option<HistorySearch>) -> Result<Pipeline> {
+fn compile(gpu: &Gpu, variant: Variant, search: Option<HistorySearch>) -> Result<Pipeline> {
     let Variant { stage, is_orthographic: orthographic, composite } = variant;
     let HistorySearch { movers, motion } = search.unwrap_or_default();
     let constants = HistoryConstants { orthographic, composite, motion, movers, search: search.is_some() };
@@ -367,7 +370,7 @@ fn shift(camera: &Camera, extent: [u32; 2]) -> Vec2 {
 }
 
 /// Returns the first [`MOST_MOVERS`] objects that stand elsewhere than before.
-fn movers(before: &[MovableObject], now: &[MovableObject]) -> Vec<Mover> {
+fn find_movers(before: &[MovableObject], now: &[MovableObject]) -> Vec<Mover> {
     let pairs = before.iter().zip(now).filter(|(a, b)| a.triangles == b.triangles && a.placement != b.placement);
     let back = |before: &MovableObject, now: &MovableObject| {
         let [before, now] = [before, now].map(|object| object.placement);
@@ -388,21 +391,22 @@ mod tests {
     #[test]
     fn rays_turn_once_through_their_directions_after_each_stop() {
         let averaged = 4;
-        let begun = Turns { left: averaged - 1, ..Turns::default() };
-        let rest = |turns: Turns| turns.next(CameraChange::None, false, averaged);
-        let rested: Vec<u32> =
-            std::iter::successors(Some(begun), |t| Some(rest(*t))).take(7).map(|t| t.rested).collect();
-        assert_eq!(rested, [0, 1, 2, 3, 3, 3, 3]);
-        let settled = (0..6).fold(begun, |turns, _| rest(turns));
-        // A thing that rests again has been seen in other directions than now.
+        let first = Turns { remaining: averaged - 1, ..Turns::default() };
+        let next_at_rest = |turns: Turns| turns.next(CameraChange::None, false, averaged);
+        let at_rest: Vec<u32> =
+            std::iter::successors(Some(first), |t| Some(next_at_rest(*t))).take(7).map(|t| t.at_rest).collect();
+        assert_eq!(at_rest, [0, 1, 2, 3, 3, 3, 3]);
+        // At rest, the directions turn until `averaged` frames have had different ones.
+        let settled = (0..6).fold(first, |turns, _| next_at_rest(turns));
+        // When the last moving object stops, they turn as often again, so that it is averaged where it stands now.
         let stopped = settled.next(CameraChange::None, true, averaged);
-        assert_eq!((stopped.rested, stopped.drawn), (4, settled.drawn + 1));
+        assert_eq!((stopped.at_rest, stopped.total), (4, settled.total + 1));
         let moved = settled.next(CameraChange::Moves, false, averaged);
-        assert_eq!((moved.rested, moved.drawn), (0, settled.drawn + 1));
-        assert_eq!(rest(moved).rested, 1);
+        assert_eq!((moved.at_rest, moved.total), (0, settled.total + 1));
+        assert_eq!(next_at_rest(moved).at_rest, 1);
         // A jittered camera never runs out of new directions, unless only one frame is averaged.
         let jittered = (0..6).fold(settled, |turns, _| turns.next(CameraChange::Shifts, false, averaged));
-        assert_eq!((jittered.rested, jittered.drawn), (settled.rested + 6, settled.drawn + 6));
+        assert_eq!((jittered.at_rest, jittered.total), (settled.at_rest + 6, settled.total + 6));
         assert_eq!(Turns::default().next(CameraChange::Shifts, false, 1), Turns::default());
     }
 
@@ -412,9 +416,9 @@ mod tests {
             |first: u32, x: f32| MovableObject { triangles: [first, first + 2], placement: (Vec3::X * x).into() };
         let before = [standing(0, 0.0), standing(2, 1.0), standing(4, 0.0)];
         let now = [standing(0, 0.0), standing(2, 1.5), standing(4, 0.0)];
-        let moved = movers(&before, &now);
+        let moved = find_movers(&before, &now);
         let back = DMat4::from_translation(DVec3::X * -0.5);
         assert_eq!(moved.iter().map(|m| (m.triangles, m.back)).collect::<Vec<_>>(), [([2, 4], back)]);
-        assert!(movers(&[], &now).is_empty(), "nothing is known of a frame before the first");
+        assert!(find_movers(&[], &now).is_empty(), "nothing is known of a frame before the first");
     }
 }

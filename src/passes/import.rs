@@ -128,7 +128,7 @@ impl ImportPass {
     /// Returns the pipeline for an encoding of normals and a projection, made at the first call.
     fn pipeline(&self, normal_kind: i32, kind: ProjectionKind) -> Result<&ComputePipeline<Import<'static>>> {
         let constants = ImportConstants { normal_kind, orthographic: kind.is_orthographic() };
-        self.pipelines[normal_kind as usize].get(kind, || ComputePipeline::with(&self.gpu, &constants))
+        self.pipelines[normal_kind as usize].get(kind, || ComputePipeline::with_constants(&self.gpu, &constants))
     }
 }
 

@@ -10,7 +10,8 @@ use ssct_ground::scene::{Camera, ProjectionKind};
 pub struct LightingPass {
     gpu: Gpu,
     stage: ShaderStage,
-    sky_apart: bool, // whether pixels that show the sky become black
+    /// Whether pixels that show the sky become black.
+    sky_apart: bool,
     pipelines: PerProjection<PixelPipeline<programs::Lighting<'static>>>,
     label: &'static str,
 }
@@ -23,15 +24,15 @@ impl LightingPass {
 
     /// Makes the pass for a shader stage, and compiles the pipeline for perspectives.
     pub fn in_stage(gpu: &Gpu, stage: ShaderStage) -> Result<Self> {
-        Self::with(gpu, stage, false)
+        Self::make(gpu, stage, false)
     }
 
     /// Makes a pass that writes black for the sky. Every lighting pass writes alpha 1 for lit surfaces and 0 for sky.
     pub fn without_sky(gpu: &Gpu) -> Result<Self> {
-        Self::with(gpu, ShaderStage::Fragment, true)
+        Self::make(gpu, ShaderStage::Fragment, true)
     }
 
-    fn with(gpu: &Gpu, stage: ShaderStage, sky_apart: bool) -> Result<Self> {
+    fn make(gpu: &Gpu, stage: ShaderStage, sky_apart: bool) -> Result<Self> {
         let made = Self { gpu: gpu.clone(), stage, sky_apart, pipelines: PerProjection::new(), label: "lighting" };
         made.pipeline(ProjectionKind::Perspective)?;
         Ok(made)

@@ -115,7 +115,7 @@ impl LookPass {
             area: look.area.map(|v| v as i32),
             compare: look.compare as i32,
             split: (look.split * look.area[2] as f32).round() as i32,
-            content: shade(look.tone.content),
+            content: content_code(look.tone.content),
             channel: look.tone.channel.map_or(-1, |c| c as i32),
             exposure: look.tone.exposure_stops.exp2(),
             range_low: look.tone.range[0],
@@ -140,7 +140,7 @@ impl LookPass {
 }
 
 /// Returns the code `CONTENT_*` by which `look.frag` shows images of a content.
-fn shade(content: Content) -> i32 {
+fn content_code(content: Content) -> i32 {
     match content {
         Content::Color => CONTENT_COLOR,
         Content::Normal => CONTENT_NORMAL,

@@ -72,12 +72,12 @@ impl<'a> LostRayBindings<'a> {
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_texels: gbuffer.color.level(0),
-            triangle_buffer: self.triangle_of(gbuffer),
+            triangle_buffer: self.triangle_numbers(gbuffer),
         }
     }
 
     /// Returns the image of the triangles that pixels show, or an image of one texel if they are not known.
-    fn triangle_of<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
+    fn triangle_numbers<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
     where
         'a: 'i,
     {
@@ -99,21 +99,13 @@ impl LostRays {
             ListContent::Rays => RAY_BYTES * pixels,
         };
         let usage = U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST;
+        let sky_usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let no_sky = ImageDesc::one_level("no sky", vk::Format::R16G16B16A16_SFLOAT, [1, 1], sky_usage);
         Ok(Self {
             counts: Buffer::new(gpu, "lost counts", 16, usage, MemoryPlace::Device)?,
             rays: Buffer::new(gpu, "lost rays", bytes, U::STORAGE_BUFFER, MemoryPlace::Device)?,
             no_triangle: stored_target(gpu, "no triangle", vk::Format::R32_UINT, [1, 1])?,
-            no_sky: Image::new(
-                gpu,
-                &ImageDesc {
-                    name: "no sky",
-                    format: vk::Format::R16G16B16A16_SFLOAT,
-                    extent: [1, 1],
-                    levels: 1,
-                    layers: 6,
-                    usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
-                },
-            )?,
+            no_sky: Image::new(gpu, &ImageDesc { layers: 6, ..no_sky })?,
         })
     }
 
@@ -124,7 +116,7 @@ impl LostRays {
 
     /// Returns the bindings of a frame. Without `sky`, the pass "no sky" makes a black one. With `wants_triangle`,
     /// shaders ask for triangle numbers that the G-buffer lacks, and the pass "no triangle" writes that none is known.
-    pub fn beyond<'a>(
+    pub fn bindings<'a>(
         &'a self,
         frame: &mut Frame,
         block: &'a CaptureBlock,

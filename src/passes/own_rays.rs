@@ -22,7 +22,7 @@ pub struct OwnRaysInput<'a> {
     /// The images that the passes that gather have stored to.
     pub canvas: Canvas<'a>,
     /// The sky, and the list of pixels in doubt.
-    pub beyond: LostRayBindings<'a>,
+    pub lost_rays: LostRayBindings<'a>,
     /// The triangles, if rays are traced among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
@@ -36,7 +36,7 @@ impl OwnRaysPass {
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup) -> Result<Self> {
-        let UnifiedSetup { composite, own_rays, over, .. } = *setup;
+        let UnifiedSetup { composite, own_rays, over_fallback: over, .. } = *setup;
         if own_rays == 0 {
             return Ok(Self(None));
         }
@@ -47,12 +47,12 @@ impl OwnRaysPass {
             over,
             own_rays,
             composite,
-            beside: setup.beside(),
+            beside: setup.wants_both(),
             orthographic: setup.projection.is_orthographic(),
             triangle_constants: setup.triangle_constants(),
         };
         let rays = setup.triangles.map_or(RaySource::Screen, |reading| reading.ray_source());
-        Ok(Self(Some(ComputePipeline::by(gpu, rays, &constants)?)))
+        Ok(Self(Some(ComputePipeline::for_rays(gpu, rays, &constants)?)))
     }
 
     /// Records pass "lost/clear", which empties the list, if pixels get own rays.
@@ -62,22 +62,22 @@ impl OwnRaysPass {
 
     /// Records the pass `name`, which traces the own rays of the pixels on the list and stores these pixels anew.
     pub fn record(&self, frame: &mut Frame, name: &str, input: OwnRaysInput, parameters: &UnifiedBlock) -> Result<()> {
-        let OwnRaysInput { gbuffer, pyramid, canvas, beyond, triangle_bindings } = input;
+        let OwnRaysInput { gbuffer, pyramid, canvas, lost_rays, triangle_bindings } = input;
         let Some((pipeline, [color, reflection])) = self.0.as_ref().zip(canvas.stored()) else { return Ok(()) };
         let program = OwnRays {
             unified: parameters,
-            screen_resources: beyond.screen_resources(&gbuffer, pyramid),
+            screen_resources: lost_rays.screen_resources(&gbuffer, pyramid),
             color_buffer: Some(Sampled::nearest(gbuffer.color.level(0))),
             color_chain: Some(gbuffer.coarse_colors()),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            doubts: beyond.rays,
+            captures: lost_rays.block,
+            environment: lost_rays.sky,
+            lost_counts: lost_rays.counts,
+            doubts: lost_rays.rays,
             color_image: color.all(),
             reflection_image: reflection.all(),
             ray_structure: triangle_bindings.and_then(|bindings| bindings.triangles.structure),
             triangle_resources: triangle_bindings.map(|bindings| bindings.resources()),
         };
-        frame.compute_indirect(name, pipeline, &program, (beyond.counts, 0))
+        frame.compute_indirect(name, pipeline, &program, (lost_rays.counts, 0))
     }
 }

@@ -79,19 +79,10 @@ impl PyramidPass {
         use vk::ImageUsageFlags as U;
         let strip = strip(extent);
         let constants = programs::PyramidConstants { strip: strip as i32, orthographic: kind.is_orthographic() };
+        let (size, usage) = (size(extent, strip), U::STORAGE | U::SAMPLED | U::TRANSFER_SRC);
         Ok(Self {
-            pipeline: ComputePipeline::with(gpu, &constants)?,
-            image: Image::new(
-                gpu,
-                &ImageDesc {
-                    name: "pyramid",
-                    format: vk::Format::R32G32_SFLOAT,
-                    extent: size(extent, strip),
-                    levels: 1,
-                    layers: 1,
-                    usage: U::STORAGE | U::SAMPLED | U::TRANSFER_SRC,
-                },
-            )?,
+            pipeline: ComputePipeline::with_constants(gpu, &constants)?,
+            image: Image::new(gpu, &ImageDesc::one_level("pyramid", vk::Format::R32G32_SFLOAT, size, usage))?,
             label: "pyramid",
         })
     }
@@ -118,11 +109,11 @@ impl PyramidPass {
         let [group_width, group_height, _] = <programs::Pyramid as Program>::SHADER.local_size;
         let threads = [tiles[0] * group_width, tiles[1] * group_height, 1]; // a workgroup for each tile
         frame.compute(self.label, &self.pipeline, &program, threads)?;
-        Ok(self.made())
+        Ok(self.recorded())
     }
 
     /// Returns the pyramid as it was recorded last.
-    pub fn made(&self) -> Pyramid<'_> {
+    pub fn recorded(&self) -> Pyramid<'_> {
         Pyramid(&self.image)
     }
 }

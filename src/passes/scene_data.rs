@@ -45,8 +45,8 @@ pub struct SceneData {
     captures: Vec<Capture>,
     find_captures: Option<FindCaptures>,
     trees: Option<Box<dyn BuildTrees>>,
-    /// The meshes that have moved, whose triangles have a tree of their own.
-    moving: Vec<String>,
+    /// The names of the meshes that have moved, whose triangles have a tree of their own.
+    moving_names: Vec<String>,
     /// Whether any of these meshes has moved since their tree was built.
     has_moved: Cell<bool>,
     /// Milliseconds that building the tree of moving meshes took; `None` once a frame has reported them.
@@ -56,8 +56,10 @@ pub struct SceneData {
     triangle_images: OnceCell<TriangleImages>,
     /// Built when rays first need it for ray queries, and again after a mesh has moved.
     ray_structure: OnceCell<RayStructure>,
-    triangles_as_blocks: bool, // whether shaders read triangles as storage blocks, and never as texels
-    placed: RefCell<Vec<(WantedCaptures, PlacedCaptures)>>,
+    /// Whether shaders read triangles as storage blocks, and never as texels.
+    triangles_as_blocks: bool,
+    /// The results of [`Self::captures`] so far, by its argument.
+    found_captures: RefCell<Vec<(WantedCaptures, PlacedCaptures)>>,
     /// The captures that were drawn last; `None` once a mesh or a light has changed.
     drawn_captures: RefCell<Option<DrawnCaptures>>,
     pub(super) impostors: Vec<Impostor>,
@@ -145,28 +147,28 @@ impl SceneData {
         }
         // Meshes of one material are drawn one after the other, so that materials are bound less often.
         meshes.sort_by_key(|m| m.material);
-        let textures = scene.textures.iter().map(|image| texture(context, image)).collect::<Result<_>>()?;
+        let textures = scene.textures.iter().map(|image| upload_texture(context, image)).collect::<Result<_>>()?;
         let white =
             Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Linear };
         Ok(Self {
             meshes,
             textures,
             encodings: scene.textures.iter().map(|t| t.encoding).collect(),
-            white: texture(context, &white)?,
+            white: upload_texture(context, &white)?,
             sky: environment(context)?,
             lights: scene.lights.clone(),
-            probes: probes(scene),
+            probes: probes_or_middle(scene),
             captures: scene.captures.clone(),
             find_captures: None,
             trees: None,
-            moving: Vec::new(),
+            moving_names: Vec::new(),
             has_moved: Cell::new(false),
             moving_ms: Cell::new(None),
             triangle_geometry: OnceCell::new(),
             triangle_images: OnceCell::new(),
             ray_structure: OnceCell::new(),
             triangles_as_blocks: false,
-            placed: RefCell::default(),
+            found_captures: RefCell::default(),
             drawn_captures: RefCell::default(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
@@ -187,10 +189,10 @@ impl SceneData {
     }
 
     /// Returns the captures in which rays are followed: those that the scene names itself, or those that the function of
-    /// [`Self::find_captures_by`] finds at the first call. Empty if the scene has no place for a capture.
+    /// [`Self::set_capture_finder`] finds at the first call. Empty if the scene has no place for a capture.
     pub fn captures(&self, wanted: WantedCaptures) -> PlacedCaptures {
-        let mut placed = self.placed.borrow_mut();
-        if let Some((_, known)) = placed.iter().find(|(request, _)| *request == wanted) {
+        let mut found_captures = self.found_captures.borrow_mut();
+        if let Some((_, known)) = found_captures.iter().find(|(request, _)| *request == wanted) {
             return known.clone();
         }
         let begun = Instant::now();
@@ -200,7 +202,7 @@ impl SceneData {
             (None, WantedCaptures::Count(most)) => self.captures.iter().take(most).copied().collect(),
         };
         let found = PlacedCaptures { captures: captures.into(), time_ms: 1e3 * begun.elapsed().as_secs_f64() };
-        placed.push((wanted, found.clone()));
+        found_captures.push((wanted, found.clone()));
         found
     }
 
@@ -245,22 +247,22 @@ impl SceneData {
                  the size above 0"
             )));
         }
-        let mut placed = false;
-        let mut moves = false;
+        let mut has_name = false;
+        let mut is_new_placement = false;
         for mesh in self.meshes.iter_mut().filter(|m| m.name == name) {
-            placed = true;
-            moves |= mesh.placement != placement;
+            has_name = true;
+            is_new_placement |= mesh.placement != placement;
             mesh.placement = placement;
         }
-        if !placed {
+        if !has_name {
             return Err(Error::Usage(format!("the scene has no mesh {name:?}")));
         }
-        if moves {
+        if is_new_placement {
             self.ray_structure.take();
             self.drawn_captures.take();
             self.has_moved.set(true);
-            if !self.moving.iter().any(|mesh_name| mesh_name == name) {
-                self.moving.push(name.to_owned());
+            if !self.moving_names.iter().any(|mesh_name| mesh_name == name) {
+                self.moving_names.push(name.to_owned());
                 self.triangle_geometry.take();
             }
         }
@@ -268,7 +270,7 @@ impl SceneData {
     }
 
     /// Returns each mesh as an object that may move, with its present placement.
-    pub fn standing(&self) -> Vec<MovableObject> {
+    pub fn movable_objects(&self) -> Vec<MovableObject> {
         let object = |mesh: &MeshData| MovableObject {
             triangles: [mesh.first_triangle, mesh.first_triangle + mesh.index_count / 3],
             placement: mesh.placement,
@@ -279,14 +281,14 @@ impl SceneData {
     /// Replaces the captures that the scene names itself. If there are none, captures are found.
     pub fn set_captures(&mut self, captures: Vec<Capture>) {
         self.captures = captures;
-        self.placed.get_mut().clear();
+        self.found_captures.get_mut().clear();
     }
 
     /// Sets the function that finds captures beyond those that the scene names itself. An effect that wants captures
     /// calls the function, once for each number of captures. Without the function the scene has only its own captures.
-    pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + 'static) {
+    pub fn set_capture_finder(&mut self, find: impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
-        self.placed.get_mut().clear();
+        self.found_captures.get_mut().clear();
     }
 
     /// How many lights there are.
@@ -333,7 +335,7 @@ fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
 }
 
 /// Returns the scene's probes, or one probe in the scene's middle if the scene names none.
-fn probes(scene: &Scene) -> Vec<Probe> {
+fn probes_or_middle(scene: &Scene) -> Vec<Probe> {
     if !scene.probes.is_empty() {
         return scene.probes.clone();
     }
@@ -343,10 +345,7 @@ fn probes(scene: &Scene) -> Vec<Probe> {
     vec![Probe::in_the_middle_of(if is_bounded { bounds } else { Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE } })]
 }
 
-/// Checks that a scene has no more of something than a method can take.
-///
-/// # Errors
-/// [`Error::Usage`] if `count` is above `most`.
+/// Fails if a scene has more of something than a method can take.
 pub(super) fn check_at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
     if count > most {
         return Err(Error::Usage(format!("the scene has {count} {what}; the method {method} takes at most {most}")));
@@ -365,22 +364,15 @@ fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk
 }
 
 /// Makes a material map with its mip chain, ready for fragment shaders.
-fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
-    let extent = [texture.width, texture.height];
-    let made = Image::new(
-        context.gpu(),
-        &ImageDesc {
-            name: &texture.name,
-            format: match texture.encoding {
-                Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
-                Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
-            },
-            extent,
-            levels: image::full_chain(extent),
-            layers: 1,
-            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC,
-        },
-    )?;
+fn upload_texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
+    use vk::ImageUsageFlags as U;
+    let (name, extent) = (&texture.name, [texture.width, texture.height]);
+    let format = match texture.encoding {
+        Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
+        Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
+    };
+    let (levels, usage) = (image::full_chain(extent), U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC);
+    let made = Image::new(context.gpu(), &ImageDesc { name, format, extent, levels, layers: 1, usage })?;
     let staging = Buffer::upload(context.gpu(), "staging", &texture.rgba, vk::BufferUsageFlags::TRANSFER_SRC)?;
     context.once(|frame| {
         frame.upload("upload", &staging, made.level(0))?;
@@ -406,25 +398,23 @@ pub fn upload_sky(context: &mut FrameContext, cube: &SkyCube) -> Result<Image> {
     sky_image(context, cube.side, &halves(&texels))
 }
 
-/// Returns the components of texels as the bits of 16-bit floats, clamped to the range of such floats.
+/// Returns the components of texels as the bits of 16-bit floats.
 fn halves<'t>(texels: impl IntoIterator<Item = &'t [f32; 4]>) -> Vec<u16> {
-    let most = half::f16::MAX.to_f32();
-    texels.into_iter().flatten().map(|value| half::f16::from_f32(value.clamp(-most, most)).to_bits()).collect()
+    texels.into_iter().flatten().map(|value| half_bits(*value)).collect()
+}
+
+/// Returns the bits of a number as a 16-bit float, clamped to the range of such floats.
+pub(super) fn half_bits(number: f32) -> u16 {
+    let greatest = half::f16::MAX.to_f32();
+    half::f16::from_f32(number.clamp(-greatest, greatest)).to_bits()
 }
 
 /// Uploads six faces of 16-bit RGBA floats as a cube map, ready for fragment shaders.
 fn sky_image(context: &mut FrameContext, side: u32, halves: &[u16]) -> Result<Image> {
-    let made = Image::new(
-        context.gpu(),
-        &ImageDesc {
-            name: "sky",
-            format: vk::Format::R16G16B16A16_SFLOAT,
-            extent: [side, side],
-            levels: 1,
-            layers: 6,
-            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC,
-        },
-    )?;
+    use vk::ImageUsageFlags as U;
+    let usage = U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC;
+    let desc = ImageDesc::one_level("sky", vk::Format::R16G16B16A16_SFLOAT, [side, side], usage);
+    let made = Image::new(context.gpu(), &ImageDesc { layers: 6, ..desc })?;
     let staging =
         Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(halves), vk::BufferUsageFlags::TRANSFER_SRC)?;
     context.once(|frame| {

@@ -35,20 +35,20 @@ impl SchmidtTracePass {
         Ok(Self(TracedPass::new(gpu, stage, extent, &constants, hits)?))
     }
 
-    /// Records pass "ray march". `diffuse` is the lit colour, of which the blur reads level 7. `behind` is the second
-    /// layer and its lit colour, where there are two layers.
+    /// Records pass "ray march". `diffuse` is the lit colour, of which the blur reads level 7. A second layer is given with
+    /// its lit colour.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         diffuse: ImageSlice,
-        behind: Option<(&GBuffer, ImageSlice)>,
+        second_layer: Option<(&GBuffer, ImageSlice)>,
         camera: &Camera,
         parameters: &SchmidtBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
         // A program for one layer does not read the bindings of the second.
-        let (behind, behind_diffuse) = behind.unwrap_or((gbuffer, diffuse));
+        let (behind, behind_diffuse) = second_layer.unwrap_or((gbuffer, diffuse));
         let program = ScreenSpaceReflections {
             camera: &camera,
             DepthTex: Sampled::nearest(gbuffer.depth.all()),

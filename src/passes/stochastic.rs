@@ -106,7 +106,7 @@ impl StochasticTrace<StochasticExact<'static>> {
         frame: &mut Frame,
         gbuffer: &GBuffer,
         pyramid: Pyramid,
-        beyond: LostRayBindings,
+        lost_rays: LostRayBindings,
         (unified, stochastic): (&UnifiedBlock, &StochasticBlock),
     ) -> Result<Rays<'_>> {
         self.draw(
@@ -117,8 +117,8 @@ impl StochasticTrace<StochasticExact<'static>> {
                 normal_buffer: gbuffer.normal.all(),
                 material_buffer: gbuffer.material.all(),
                 color_texels: gbuffer.color.level(0),
-                captures: beyond.block,
-                environment: beyond.sky,
+                captures: lost_rays.block,
+                environment: lost_rays.sky,
                 stochastic,
             },
         )?;
@@ -147,7 +147,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
         frame: &mut Frame,
         gbuffer: &GBuffer,
         (hi_z, thesis): (HiZ, &ThesisBlock),
-        beyond: LostRayBindings,
+        lost_rays: LostRayBindings,
         (unified, stochastic): (&UnifiedBlock, &StochasticBlock),
     ) -> Result<Rays<'_>> {
         self.draw(
@@ -159,8 +159,8 @@ impl StochasticTrace<StochasticThesis<'static>> {
                 materialBuffer: Sampled::nearest(gbuffer.material.all()),
                 color_texels: gbuffer.color.level(0),
                 unified,
-                captures: beyond.block,
-                environment: beyond.sky,
+                captures: lost_rays.block,
+                environment: lost_rays.sky,
                 stochastic,
             },
         )?;
@@ -178,14 +178,15 @@ pub struct StochasticResolvePass {
 }
 
 impl StochasticResolvePass {
-    /// Makes the pass for images of a size in pixels. `over` says that another reflection shows where this one misses.
+    /// Makes the pass for images of a size in pixels. `over_fallback` says that another reflection shows where this one misses.
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], over: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], over_fallback: bool) -> Result<Self> {
+        let constants = StochasticResolveConstants { over: over_fallback, orthographic: false };
         let stored = |name, format| stored_target(gpu, name, format, extent);
         Ok(Self {
-            pipeline: ComputePipeline::with(gpu, &StochasticResolveConstants { over, orthographic: false })?,
+            pipeline: ComputePipeline::with_constants(gpu, &constants)?,
             sum: stored("ray sums", vk::Format::R32G32B32A32_SFLOAT)?,
             weight: stored("ray weights", vk::Format::R32G32B32A32_SFLOAT)?,
             reflection: stored("reflection", LIT_COLOR)?,

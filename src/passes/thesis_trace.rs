@@ -72,14 +72,14 @@ impl ThesisTracePass {
         })
     }
 
-    /// Records pass "trace+cone", or passes "ray trace" and "cone trace". `traced` says that the rays were already
+    /// Records pass "trace+cone", or passes "ray trace" and "cone trace". `is_traced` says that the rays were already
     /// traced over the same depth and normals; if the pass is split, only the cone trace is then recorded.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         input: &TraceInput,
         parameters: &ThesisBlock,
-        traced: bool,
+        is_traced: bool,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let hits = self.hits.as_ref().map(Hits);
         let hits_target = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
@@ -104,7 +104,7 @@ impl ThesisTracePass {
                     normalBuffer: Sampled::nearest(input.gbuffer.normal.all()),
                     materialBuffer: Sampled::nearest(input.gbuffer.material.all()),
                 };
-                if !traced {
+                if !is_traced {
                     frame.pixels("ray trace", trace, [hits_target], &program)?;
                 }
                 if let Some(hits) = hits {

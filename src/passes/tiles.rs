@@ -34,15 +34,15 @@ pub struct UnifiedSetup {
     /// The version of the oracle whose hits the passes find.
     pub oracle: OracleVersion,
     /// Whether another reflection shows where this one misses.
-    pub over: bool,
+    pub over_fallback: bool,
     /// Whether the composite is wanted.
     pub composite: bool,
     /// Whether the reflection is wanted as an image of its own. Composite or reflection is wanted, or both.
     pub reflection: bool,
     /// Whether rays walk over the screen. If not, all of them go among the triangles at once, and there is no pyramid.
-    pub screen: bool,
+    pub walks_screen: bool,
     /// Whether rays that the screen loses go on, in captures or among triangles.
-    pub followed: bool,
+    pub follows_lost_rays: bool,
     /// How shaders read the triangles, if rays are traced among them.
     pub triangles: Option<TriangleReading>,
     /// Number of own rays of a glossy pixel in doubt; 0 if rays go on in captures.
@@ -50,23 +50,25 @@ pub struct UnifiedSetup {
     /// Whether a history asks where rays ended.
     pub stores_ends: bool,
     /// The shader stage of the passes that trace rays.
-    pub trace: ShaderStage,
+    pub trace_stage: ShaderStage,
     /// The shader stage of the passes that gather what the rays saw.
-    pub resolve: ShaderStage,
+    pub resolve_stage: ShaderStage,
 }
 
 impl UnifiedSetup {
     /// Returns the formats of the images of a [`Canvas`](super::Canvas), in the order of the shaders' outputs.
     pub fn formats(&self) -> [vk::Format; 2] {
-        [LIT_COLOR, if self.beside() { LIT_COLOR } else { vk::Format::UNDEFINED }]
+        [LIT_COLOR, if self.wants_both() { LIT_COLOR } else { vk::Format::UNDEFINED }]
     }
 
     /// Returns the permutation of the programs that trace, by where rays end: on the screen, there if triangles confirm
     /// it, or among the triangles. If no ray walks over the screen, only compute shaders trace.
     pub fn trace_permutation(&self) -> PermutationChoice {
         match self.triangles {
-            None => PermutationChoice { stage: self.trace, rays: Some(RaySource::Screen) },
-            Some(_) if self.screen => PermutationChoice { stage: self.trace, rays: Some(RaySource::Confirmed) },
+            None => PermutationChoice { stage: self.trace_stage, rays: Some(RaySource::Screen) },
+            Some(_) if self.walks_screen => {
+                PermutationChoice { stage: self.trace_stage, rays: Some(RaySource::Confirmed) }
+            }
             Some(reading) => PermutationChoice::compute(reading.ray_source()),
         }
     }
@@ -77,13 +79,14 @@ impl UnifiedSetup {
     }
 
     /// Whether both the composite and the reflection are wanted.
-    pub fn beside(&self) -> bool {
+    pub fn wants_both(&self) -> bool {
         self.composite && self.reflection
     }
 
     /// Makes an image that the passes write, and that compute programs can store to if any of the passes is one.
     pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
-        let stores = self.followed || self.own_rays > 0 || [self.trace, self.resolve].contains(&ShaderStage::Compute);
+        let is_any_compute = [self.trace_stage, self.resolve_stage].contains(&ShaderStage::Compute);
+        let stores = self.follows_lost_rays || self.own_rays > 0 || is_any_compute;
         let stage = if stores { ShaderStage::Compute } else { ShaderStage::Fragment };
         Image::target_in(gpu, stage, name, format, self.extent)
     }
@@ -150,8 +153,8 @@ where
     /// targets, and `constants` returns its constants for tiles (`false`) and for the whole image (`true`).
     ///
     /// # Errors
-    /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on a device whose shaders
-    /// take fewer images or buffers than the program has; [`Error::Usage`] for a permutation that the program lacks.
+    /// [`Error::NoDevice`] if a fragment shader needs points of a tile's size, which the device does not draw, or if the
+    /// program has more images or buffers than the device allows. [`Error::Usage`] for a permutation that is not there.
     pub fn new(
         gpu: &Gpu,
         range: TileRange,
@@ -164,7 +167,7 @@ where
                 check_points(gpu)?;
                 TilePipelines::Fragment {
                     tiles: GraphicsPipeline::points(gpu, rays, formats, &constants(false))?,
-                    whole: GraphicsPipeline::fullscreen_by(gpu, rays, formats, &constants(true))?,
+                    whole: GraphicsPipeline::fullscreen_for_rays(gpu, rays, formats, &constants(true))?,
                 }
             }
             ShaderStage::Compute => {

@@ -16,7 +16,7 @@ use crate::gpu::{Buffer, Frame, FrameContext, Gpu, Sampled, TexelBuffer};
 use ash::vk;
 use glam::{DVec3, Mat4};
 use ssct_ground::scene::Camera;
-use ssct_ground::scene::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels};
+use ssct_ground::scene::tree::{MovingTriangles, NODE_VECTORS, Tree, TriangleRecords, Words, most_levels};
 use std::cell::{Cell, RefCell};
 
 /// Format of [`GBuffer::triangle`](super::GBuffer::triangle).
@@ -34,18 +34,26 @@ pub(super) const TEXELS: (vk::Format, u64) = (vk::Format::R32_UINT, TEXEL_BYTES)
 /// The tree and the records of a scene's triangles, where its meshes stand.
 pub struct TriangleGeometry {
     origin: DVec3,
-    /// The indices of the first corner and the first attribute among the vectors of `buffer`, then the numbers of
-    /// triangles and of nodes.
-    counts: [i32; 4],
+    counts: GeometryCounts,
     /// The greatest coordinate of a corner of a standing mesh, in metres.
     extent_m: f32,
     /// Whether a material has an alpha mask or is single-sided, and so decides at each hit whether the hit counts.
-    asks: bool,
+    may_reject_hits: bool,
     buffer: TexelBuffer,
     /// The triangles of moving meshes.
     moving: MovingPart,
     /// Where the parts of `buffer` begin; `None` if nothing can move.
     places: Option<Places>,
+}
+
+/// Where the first corner and the first attribute lie among the vectors of a geometry's buffer, and how many triangles and
+/// nodes of standing meshes there are.
+#[derive(Clone, Copy)]
+struct GeometryCounts {
+    first_corner: i32,
+    first_attribute: i32,
+    triangles: i32,
+    nodes: i32,
 }
 
 /// The moving part of a scene's triangles, in the same buffer. Moving corners come after those of standing meshes, and
@@ -79,28 +87,28 @@ struct Places {
 }
 
 impl Places {
-    /// Places the parts one after the other, with room for all moving triangles.
+    /// Places the parts one after the other, with room for all moving triangles. A corner is one vector.
     fn new(tree: &Tree, records: &TriangleRecords, moving: &MovingTriangles) -> Self {
         let moving_count = moving.numbers.len();
         let corners = tree.nodes.len();
         let moving_corners = corners + records.corners.len();
         let attributes = moving_corners + 3 * moving_count;
         let attributes_end = attributes + records.attributes.len();
-        let root = attributes_end.next_multiple_of(NODE_WORDS);
+        let root = attributes_end.next_multiple_of(NODE_VECTORS);
         // A tree over some triangles has no more nodes than triangles.
-        let end = if moving_count == 0 { attributes_end } else { root + NODE_WORDS * moving_count };
+        let end = if moving_count == 0 { attributes_end } else { root + NODE_VECTORS * moving_count };
         Self { corners, moving_corners, attributes, root, end }
     }
 
     /// Returns the moving part as runs of vectors, each with the index of its first vector in the buffer.
-    fn of_moving(&self, moving: &MovingTriangles) -> Vec<(usize, Vec<Words>)> {
+    fn moving_runs(&self, moving: &MovingTriangles) -> Vec<(usize, Vec<Words>)> {
         let slots = ((self.moving_corners - self.corners) / 3) as u32;
         let mut corners = moving.records.corners.clone();
         // There is also room for triangles that have no area at the moment.
         corners.resize(3 * moving.numbers.len(), [0; 4]);
-        let nodes = moving.tree.nodes_behind((self.root / NODE_WORDS) as u32, slots);
+        let nodes = moving.tree.nodes_after((self.root / NODE_VECTORS) as u32, slots);
         assert!(self.root + nodes.len() <= self.end.max(self.root), "more nodes than triangles");
-        let attributes = moving.attributes_behind(slots).into_iter();
+        let attributes = moving.attributes_after(slots).into_iter();
         let attributes = attributes.map(|(first, vectors)| (self.attributes + 4 * first as usize, vectors));
         let parts = [(self.moving_corners, corners), (self.root, nodes)].into_iter().chain(attributes);
         parts.filter(|(_, part)| !part.is_empty()).collect()
@@ -118,7 +126,7 @@ pub struct TriangleReading {
     /// Whether images are read as texels.
     pub image_texels: bool,
     /// Whether a material has an alpha mask or is single-sided, and so decides at each hit whether the hit counts.
-    pub asks: bool,
+    pub may_reject_hits: bool,
     /// Number of lights of the scene.
     pub lights: u32,
     /// Groups of nodes that the stack of a walk has room for: at least as many as a tree has levels.
@@ -144,10 +152,10 @@ pub struct TriangleBuffers<'a> {
     pub structure: Option<&'a RayStructure>,
     /// The place from which coordinates of triangles are measured.
     pub origin: DVec3,
-    counts: [i32; 4],
+    counts: GeometryCounts,
     extent_m: f32,
     /// The number of the root of the tree of moving meshes; 0 without one.
-    moving: i32,
+    moving_root: i32,
 }
 
 /// The bindings of a frame: a scene's triangles, and the camera and the lights in their coordinates.
@@ -168,7 +176,7 @@ pub struct TriangleBindings<'a> {
 impl TriangleReading {
     /// Returns the specialization constants that are common to all programs that trace rays against the triangles.
     pub fn constants(&self) -> TriangleConstants {
-        let Self { geometry_texels, image_texels, asks, lights, screen_colors, walk_room, .. } = *self;
+        let Self { geometry_texels, image_texels, may_reject_hits: asks, lights, screen_colors, walk_room, .. } = *self;
         TriangleConstants { geometry_texels, image_texels, asks, lights, screen_colors, walk_room }
     }
 
@@ -220,24 +228,25 @@ impl TriangleGeometry {
         vectors.resize(places.attributes, [0; 4]);
         vectors.extend_from_slice(&records.attributes);
         vectors.resize(places.end, [0; 4]);
-        for (first_vector, part) in places.of_moving(moving) {
+        for (first_vector, part) in places.moving_runs(moving) {
             vectors[first_vector..first_vector + part.len()].copy_from_slice(&part);
         }
-        let made = Self::from_buffer(tree, records, uploaded(context, "triangles", &vectors)?);
-        let [_, _, count, nodes] = made.counts;
-        let counts = [places.corners as i32, places.attributes as i32, count, nodes];
-        made.moves(&places, moving);
-        Ok(Self { counts, asks: made.asks || moving.records.asks(), places: Some(places), ..made })
+        let made = Self::from_buffer(tree, records, upload_vectors(context, "triangles", &vectors)?);
+        let [first_corner, first_attribute] = [places.corners, places.attributes].map(|index| index as i32);
+        let counts = GeometryCounts { first_corner, first_attribute, ..made.counts };
+        let may_reject_hits = made.may_reject_hits || moving.records.may_reject_hits();
+        made.set_moving(&places, moving);
+        Ok(Self { counts, may_reject_hits, places: Some(places), ..made })
     }
 
     /// Sets the root of the tree of moving meshes and their greatest coordinate in `self.moving`.
-    fn moves(&self, places: &Places, moving: &MovingTriangles) {
-        let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_WORDS };
+    fn set_moving(&self, places: &Places, moving: &MovingTriangles) {
+        let root = if moving.tree.nodes.is_empty() { 0 } else { places.root / NODE_VECTORS };
         self.moving.root.set(root as i32);
         self.moving.extent_m.set(moving.records.extent_m());
     }
 
-    /// Writes the moving triangles, where they stand now, to a staging buffer, which the next [`Self::bring`] copies.
+    /// Writes the moving triangles, where they stand now, to a staging buffer, which the next [`Self::copy_moving`] copies.
     ///
     /// # Errors
     /// [`crate::error::Error::Memory`] without memory.
@@ -250,7 +259,7 @@ impl TriangleGeometry {
             empty => {
                 let (_, vector_bytes) = VECTORS;
                 // Each triangle has room for three corners, four vectors of attributes and a node.
-                let bytes = vector_bytes * ((3 + 4 + NODE_WORDS) * moving.numbers.len()) as u64;
+                let bytes = vector_bytes * ((3 + 4 + NODE_VECTORS) * moving.numbers.len()) as u64;
                 let staging = Buffer::new(
                     gpu,
                     "moving triangles",
@@ -264,13 +273,13 @@ impl TriangleGeometry {
         update.runs.clear();
         let mut from = 0;
         let staging = update.staging.bytes_mut()?;
-        for (first_vector, vectors) in places.of_moving(moving) {
+        for (first_vector, vectors) in places.moving_runs(moving) {
             let bytes: &[u8] = bytemuck::cast_slice(&vectors);
             staging[from..from + bytes.len()].copy_from_slice(bytes);
             update.runs.push([from, first_vector * size_of::<Words>(), bytes.len()].map(|n| n as u64));
             from += bytes.len();
         }
-        self.moves(places, moving);
+        self.set_moving(places, moving);
         Ok(())
     }
 
@@ -278,7 +287,7 @@ impl TriangleGeometry {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn bring(&self, frame: &mut Frame) -> Result<()> {
+    pub fn copy_moving(&self, frame: &mut Frame) -> Result<()> {
         let mut kept = self.moving.update.borrow_mut();
         let Some(Update { staging, runs }) = kept.as_mut().filter(|update| !update.runs.is_empty()) else {
             return Ok(());
@@ -296,13 +305,17 @@ impl TriangleGeometry {
     /// Makes a geometry in which nothing moves, of a buffer that holds its vectors.
     pub(super) fn from_buffer(tree: &Tree, records: &TriangleRecords, buffer: TexelBuffer) -> Self {
         assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
-        let attributes = tree.nodes.len() + records.corners.len();
-        let counts = [tree.nodes.len(), attributes, records.attributes.len() / 4, tree.nodes.len() / NODE_WORDS];
+        let counts = GeometryCounts {
+            first_corner: tree.nodes.len() as i32,
+            first_attribute: (tree.nodes.len() + records.corners.len()) as i32,
+            triangles: (records.attributes.len() / 4) as i32,
+            nodes: (tree.nodes.len() / NODE_VECTORS) as i32,
+        };
         Self {
             origin: tree.origin,
-            counts: counts.map(|count| count as i32),
+            counts,
             extent_m: records.extent_m(),
-            asks: records.asks(),
+            may_reject_hits: records.may_reject_hits(),
             buffer,
             moving: MovingPart::default(),
             places: None,
@@ -311,14 +324,14 @@ impl TriangleGeometry {
 
     /// Returns how shaders read the geometry together with some images and with `lights` lights.
     pub fn reading(&self, images: &TriangleImages, lights: u32) -> TriangleReading {
-        let [_, _, count, _] = self.counts;
+        let count = self.counts.triangles.cast_unsigned();
         TriangleReading {
-            count: count.cast_unsigned(),
+            count,
             geometry_texels: self.buffer.is_whole(),
             image_texels: images.buffer.is_whole(),
-            asks: self.asks,
+            may_reject_hits: self.may_reject_hits,
             lights,
-            walk_room: walk_room(most_levels(count.cast_unsigned() as usize)),
+            walk_room: walk_room(most_levels(count as usize)),
             queries: false,
             unlit: false,
             screen_colors: false,
@@ -329,42 +342,49 @@ impl TriangleGeometry {
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] without ray queries, and [`crate::error::Error::Memory`] without memory.
-    pub fn structure(&self, context: &mut FrameContext) -> Result<RayStructure> {
-        let [corners, attributes, ..] = self.counts; // attributes begin where the corners end
+    pub fn build_structure(&self, context: &mut FrameContext) -> Result<RayStructure> {
+        let GeometryCounts { first_corner, first_attribute, .. } = self.counts;
         let (_, stride) = VECTORS;
         let corners = Corners {
             buffer: self.buffer.buffer(),
-            first_byte: stride * u64::from(corners.cast_unsigned()),
+            first_byte: stride * u64::from(first_corner.cast_unsigned()),
             stride,
-            triangles: (attributes - corners).cast_unsigned() / 3,
+            triangles: (first_attribute - first_corner).cast_unsigned() / 3, // attributes begin where the corners end
         };
         RayStructure::build(context, &corners)
     }
 
     /// Returns the buffers that passes bind, with images and a table of materials.
-    pub fn bound<'a>(&'a self, images: &'a TriangleImages, table: &'a TriangleTable) -> TriangleBuffers<'a> {
+    pub fn buffers<'a>(&'a self, images: &'a TriangleImages, table: &'a TriangleTable) -> TriangleBuffers<'a> {
         let Self { origin, counts, extent_m, buffer, moving, .. } = self;
         let (origin, counts, extent_m) = (*origin, *counts, extent_m.max(moving.extent_m.get()));
-        let (images, table, moving) = (&images.buffer, &table.0, moving.root.get());
-        TriangleBuffers { geometry: buffer, images, table, structure: None, origin, counts, extent_m, moving }
+        let (images, table, moving_root) = (&images.buffer, &table.0, moving.root.get());
+        TriangleBuffers { geometry: buffer, images, table, structure: None, origin, counts, extent_m, moving_root }
     }
 }
 
 impl<'a> TriangleBuffers<'a> {
     /// Returns the buffers with a structure for ray queries, or with none.
-    pub fn queried(self, structure: Option<&'a RayStructure>) -> Self {
+    pub fn with_ray_structure(self, structure: Option<&'a RayStructure>) -> Self {
         Self { structure, ..self }
     }
 
-    /// Returns the uniform block by which shaders read the triangles, for one camera. `beside` is the greatest distance
-    /// of a pixel's point from its surface: in metres for each metre from the eye, or in view units for an orthographic
-    /// camera.
-    pub fn block(&self, camera: &Camera, beside: f32) -> TriangleBlock {
-        let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
-        let [corners, attributes, count, nodes] = self.counts;
-        let Self { extent_m: extent, moving, .. } = *self;
-        let eye = eye.to_array();
-        TriangleBlock { eye, extent, corners, attributes, count, nodes, beside, moving, ..Default::default() }
+    /// Returns the uniform block by which shaders read the triangles, for one camera. `max_offset` is the greatest
+    /// distance of a pixel's point from its surface: in metres for each metre from the eye, or in view units for an
+    /// orthographic camera.
+    pub fn block(&self, camera: &Camera, max_offset: f32) -> TriangleBlock {
+        let GeometryCounts { first_corner, first_attribute, triangles, nodes } = self.counts;
+        TriangleBlock {
+            eye: (camera.eye().as_dvec3() - self.origin).as_vec3().to_array(),
+            extent: self.extent_m,
+            corners: first_corner,
+            attributes: first_attribute,
+            count: triangles,
+            nodes,
+            beside: max_offset,
+            moving: self.moving_root,
+            ..Default::default()
+        }
     }
 
     /// Returns the matrix from the world to the coordinates of the triangles.
@@ -374,25 +394,25 @@ impl<'a> TriangleBuffers<'a> {
 }
 
 /// Makes a buffer that holds `vectors`, and uploads them.
-fn uploaded(context: &mut FrameContext, name: &str, vectors: &[Words]) -> Result<TexelBuffer> {
-    let (staging, buffer) = staged(context.gpu(), name, bytemuck::cast_slice(vectors), VECTORS)?;
+fn upload_vectors(context: &mut FrameContext, name: &str, vectors: &[Words]) -> Result<TexelBuffer> {
+    let (buffer, staging) = buffer_and_staging(context.gpu(), name, bytemuck::cast_slice(vectors), VECTORS)?;
     context.once(|frame| frame.copy_buffer("upload", &staging, buffer.buffer(), Access::ComputeStorageRead))?;
     Ok(buffer)
 }
 
 /// Makes a buffer of texels without content, and a staging buffer that holds `bytes`, to be copied to it.
-pub(super) fn staged(
+pub(super) fn buffer_and_staging(
     gpu: &Gpu,
     name: &str,
     bytes: &[u8],
     (format, texel_bytes): (vk::Format, u64),
-) -> Result<(Buffer, TexelBuffer)> {
+) -> Result<(TexelBuffer, Buffer)> {
     // A buffer without bytes cannot be bound.
     let one_texel = vec![0; texel_bytes as usize];
     let bytes = if bytes.is_empty() { &one_texel } else { bytes };
     let staging = Buffer::upload(gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
     let buffer = texel_buffer(gpu, name, bytes.len() as u64)?;
-    Ok((staging, TexelBuffer::new(buffer, format, texel_bytes)?))
+    Ok((TexelBuffer::new(buffer, format, texel_bytes)?, staging))
 }
 
 /// Makes a buffer of texels without content. Copies can fill it, and with ray queries a ray structure can read it.

@@ -45,7 +45,7 @@ pub struct TriangleInput<'a> {
     /// The scene's triangles.
     pub triangle_bindings: TriangleBindings<'a>,
     /// The list of rays, the camera's axes, and the sky.
-    pub beyond: LostRayBindings<'a>,
+    pub lost_rays: LostRayBindings<'a>,
 }
 
 impl TriangleTracePass {
@@ -61,9 +61,9 @@ impl TriangleTracePass {
         let wide = TriangleWideConstants { stores_ends, orthographic, triangle_constants };
         let rays = reading.ray_source();
         Ok(Self {
-            mirrors: ComputePipeline::by(gpu, rays, &mirrors)?,
-            narrow: ComputePipeline::by(gpu, rays, &narrow)?,
-            wide: ComputePipeline::by(gpu, rays, &wide)?,
+            mirrors: ComputePipeline::for_rays(gpu, rays, &mirrors)?,
+            narrow: ComputePipeline::for_rays(gpu, rays, &narrow)?,
+            wide: ComputePipeline::for_rays(gpu, rays, &wide)?,
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
@@ -80,10 +80,10 @@ impl TriangleTracePass {
         // An image that is not wanted is not written, but its binding needs some image.
         let Some(any) = canvas.images().next() else { return Ok(()) };
         let Some(hits) = hits.map(|hits| hits.0).or(self.unwanted_hits.as_ref()) else { return Ok(()) };
-        let TriangleInput { parameters, triangle_bindings, beyond } = input;
+        let TriangleInput { parameters, triangle_bindings, lost_rays } = input;
         let program = TriangleMirrors {
             unified: parameters,
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
             ray_structure: triangle_bindings.triangles.structure,
             triangle_resources: triangle_bindings.resources(),
             material_buffer: gbuffer.material.all(),
@@ -92,37 +92,37 @@ impl TriangleTracePass {
             reflection_image: canvas.reflection.unwrap_or(any).all(),
             hits_image: hits.all(),
         };
-        frame.compute_indirect("triangles/mirrors", &self.mirrors, &program, (beyond.counts, 0))
+        frame.compute_indirect("triangles/mirrors", &self.mirrors, &program, (lost_rays.counts, 0))
     }
 
     /// Records pass "triangles/narrow", which follows the rays of narrow lobes. It writes to `records` what they see,
     /// and for a history to `ends` where they end.
     pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, [records, ends]: [&Image; 2]) -> Result<()> {
-        let TriangleInput { parameters, triangle_bindings, beyond } = input;
+        let TriangleInput { parameters, triangle_bindings, lost_rays } = input;
         let program = TriangleNarrow {
             unified: parameters,
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
             ray_structure: triangle_bindings.triangles.structure,
             triangle_resources: triangle_bindings.resources(),
             seen_image: records.all(),
             ends_image: ends.all(),
         };
-        frame.compute_indirect("triangles/narrow", &self.narrow, &program, (beyond.counts, 0))
+        frame.compute_indirect("triangles/narrow", &self.narrow, &program, (lost_rays.counts, 0))
     }
 
     /// Records pass "triangles/wide", which follows the rays of cells with wide lobes. It writes to `seen` what they
     /// see, and to `place`, and for a history to `ends`, where they end.
     pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen, ends]: [&Image; 3]) -> Result<()> {
-        let TriangleInput { parameters, triangle_bindings, beyond } = input;
+        let TriangleInput { parameters, triangle_bindings, lost_rays } = input;
         let program = TriangleWide {
             unified: parameters,
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
             ray_structure: triangle_bindings.triangles.structure,
             triangle_resources: triangle_bindings.resources(),
             place_image: place.all(),
             seen_image: seen.all(),
             ends_image: ends.all(),
         };
-        frame.compute_indirect("triangles/wide", &self.wide, &program, (beyond.counts, 0))
+        frame.compute_indirect("triangles/wide", &self.wide, &program, (lost_rays.counts, 0))
     }
 }

@@ -26,11 +26,11 @@ pub struct UnifiedGlossPass {
     trace_wide: TiledPipeline<TraceWide<'static>>,
     cells: TiledPipeline<Cells<'static>>,
     resolve_wide: TiledPipeline<ResolveWide<'static>>,
-    between: BetweenPasses,
+    images: GlossImages,
 }
 
 /// The images that one pass writes and another reads. Their content is undefined where no tile is drawn.
-pub struct BetweenPasses {
+pub struct GlossImages {
     /// The ray of each pixel with a narrow lobe: `RayRecord` of `gloss.glsl`, packed.
     pub records: Image,
     /// Where the ray of each cell of 2 × 2 pixels ended (a point, or a direction for a miss), and the ray's density.
@@ -57,7 +57,7 @@ pub struct UnifiedGlossInput<'a> {
     /// The images to draw into.
     pub canvas: Canvas<'a>,
     /// The sky, and the list of rays that the screen lost.
-    pub beyond: LostRayBindings<'a>,
+    pub lost_rays: LostRayBindings<'a>,
     /// The triangles, if rays are traced among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
@@ -71,12 +71,13 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, screen, followed, own_rays, stores_ends, .. } = *setup;
-        let (formats, beside) = (setup.formats(), setup.beside());
+        let UnifiedSetup { over_fallback: over, composite, own_rays, stores_ends, .. } = *setup;
+        let (screen, followed) = (setup.walks_screen, setup.follows_lost_rays);
+        let (formats, beside) = (setup.formats(), setup.wants_both());
         let (orthographic, triangle_constants) = (setup.projection.is_orthographic(), setup.triangle_constants());
         let narrow = TileRange { list: NARROW_LIST, halved: false };
         let [pixels, halves] = [false, true].map(|halved| TileRange { list: WIDE_LIST, halved });
-        let (trace, resolve) = (setup.trace_permutation(), setup.resolve.into());
+        let (trace, resolve) = (setup.trace_permutation(), setup.resolve_stage.into());
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
             trace_narrow: TiledPipeline::new(gpu, narrow, trace, [RECORD], |whole| TraceNarrowConstants {
@@ -124,7 +125,7 @@ impl UnifiedGlossPass {
                 beside,
                 orthographic,
             })?,
-            between: BetweenPasses {
+            images: GlossImages {
                 records: image("seen", RECORD, setup.extent)?,
                 place: image("seen place", PLACE, cells)?,
                 seen: image("seen color", LIT_COLOR, cells)?,
@@ -136,25 +137,25 @@ impl UnifiedGlossPass {
     }
 
     /// The images between the passes, for the passes that follow lost rays and for tests.
-    pub fn between(&self) -> &BetweenPasses {
-        &self.between
+    pub fn images(&self) -> &GlossImages {
+        &self.images
     }
 
     /// Records pass "trace/narrow", which traces one ray for each pixel with a narrow lobe.
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, lost_rays, triangle_bindings, .. } = input;
         let program = TraceNarrow {
             unified: parameters,
             Tiles: Some(tiles.lists),
             Counts: Some(tiles.arguments),
-            screen_resources: beyond.screen_resources(gbuffer, *pyramid),
+            screen_resources: lost_rays.screen_resources(gbuffer, *pyramid),
             color_chain: Some(gbuffer.coarse_colors()),
-            lost_ray_resources: beyond.resources(),
-            ends_image: self.between.ends.all(),
+            lost_ray_resources: lost_rays.resources(),
+            ends_image: self.images.ends.all(),
             ray_structure: triangle_bindings.and_then(|bindings| bindings.triangles.structure),
             triangle_resources: triangle_bindings.map(|bindings| bindings.resources()),
         };
-        let targets = [tiles.target(&self.between.records)];
+        let targets = [tiles.target(&self.images.records)];
         self.trace_narrow.run(frame, "trace/narrow", (parameters, *tiles), targets, &program)
     }
 
@@ -165,16 +166,16 @@ impl UnifiedGlossPass {
         input: &UnifiedGlossInput,
         parameters: &UnifiedBlock,
     ) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, tiles, canvas, beyond, .. } = input;
+        let UnifiedGlossInput { gbuffer, tiles, canvas, lost_rays, .. } = input;
         let program = ResolveNarrow {
             unified: parameters,
             Tiles: Some(tiles.lists),
             Counts: Some(tiles.arguments),
             material_buffer: gbuffer.material.all(),
             color_texels: gbuffer.color.level(0),
-            seen_image: self.between.records.all(),
-            lost_counts: beyond.counts,
-            doubts: beyond.rays,
+            seen_image: self.images.records.all(),
+            lost_counts: lost_rays.counts,
+            doubts: lost_rays.rays,
         };
         let targets = canvas.targets(*tiles);
         self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), targets, &program)
@@ -182,16 +183,16 @@ impl UnifiedGlossPass {
 
     /// Records pass "trace/wide", which traces one ray for each cell with a wide lobe.
     pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, triangle_bindings, .. } = input;
-        let BetweenPasses { place, seen, .. } = &self.between;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, lost_rays, triangle_bindings, .. } = input;
+        let GlossImages { place, seen, .. } = &self.images;
         let program = TraceWide {
             unified: parameters,
             Tiles: Some(tiles.lists),
             Counts: Some(tiles.arguments),
-            screen_resources: beyond.screen_resources(gbuffer, *pyramid),
+            screen_resources: lost_rays.screen_resources(gbuffer, *pyramid),
             color_chain: Some(gbuffer.coarse_colors()),
-            lost_ray_resources: beyond.resources(),
-            ends_image: self.between.ends.all(),
+            lost_ray_resources: lost_rays.resources(),
+            ends_image: self.images.ends.all(),
             ray_structure: triangle_bindings.and_then(|bindings| bindings.triangles.structure),
             triangle_resources: triangle_bindings.map(|bindings| bindings.resources()),
         };
@@ -202,9 +203,9 @@ impl UnifiedGlossPass {
     /// Records passes "cells" and "resolve/wide", the second of which interpolates each pixel's reflection between the
     /// reflections of the four cells around it.
     pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        self.cells(frame, input, parameters)?;
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, .. } = input;
-        let BetweenPasses { cell_reflection, cell_surface, .. } = &self.between;
+        self.record_cells(frame, input, parameters)?;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, lost_rays, .. } = input;
+        let GlossImages { cell_reflection, cell_surface, .. } = &self.images;
         let program = ResolveWide {
             unified: parameters,
             Tiles: Some(tiles.lists),
@@ -217,17 +218,17 @@ impl UnifiedGlossPass {
             cell_reflection: cell_reflection.all(),
             cell_surface: cell_surface.all(),
             listed_image: tiles.listed.all(),
-            lost_counts: beyond.counts,
-            doubts: beyond.rays,
+            lost_counts: lost_rays.counts,
+            doubts: lost_rays.rays,
         };
         let targets = canvas.targets(*tiles);
         self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), targets, &program)
     }
 
     /// Records pass "cells", which makes each cell's reflection from the rays of the 5 × 5 cells around it.
-    fn cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
+    fn record_cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, .. } = input;
-        let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;
+        let GlossImages { place, seen, cell_reflection, cell_surface, .. } = &self.images;
         let program = Cells {
             unified: parameters,
             Tiles: Some(tiles.lists),

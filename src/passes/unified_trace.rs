@@ -32,7 +32,7 @@ pub struct UnifiedTraceInput<'a> {
     /// The images to draw into.
     pub canvas: Canvas<'a>,
     /// The sky, and the list of rays that the screen lost.
-    pub beyond: LostRayBindings<'a>,
+    pub lost_rays: LostRayBindings<'a>,
     /// The triangles, if rays are traced among them.
     pub triangle_bindings: Option<TriangleBindings<'a>>,
 }
@@ -46,8 +46,8 @@ impl UnifiedTracePass {
         let [first, second] = setup.formats();
         let formats = [first, second, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { followed, composite, .. } = *setup;
-        let (orthographic, beside) = (setup.projection.is_orthographic(), setup.beside());
+        let UnifiedSetup { follows_lost_rays: followed, composite, .. } = *setup;
+        let (orthographic, beside) = (setup.projection.is_orthographic(), setup.wants_both());
         let triangle_constants = setup.triangle_constants();
         let constants = |whole| MirrorConstants {
             strip,
@@ -73,31 +73,30 @@ impl UnifiedTracePass {
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
-        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, triangle_bindings }: &UnifiedTraceInput,
+        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, lost_rays, triangle_bindings }: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
-        let wanted = self.hits.as_ref();
         if self.stage == ShaderStage::Compute && !tiles.whole {
-            self.no_hits(frame)?;
+            self.clear_hits(frame)?;
         }
         let [first, second] = canvas.targets(*tiles);
-        let hits = wanted.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT));
+        let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT));
         let program = Mirror {
             unified: parameters,
             Tiles: Some(tiles.lists),
             Counts: Some(tiles.arguments),
-            screen_resources: beyond.screen_resources(gbuffer, *pyramid),
+            screen_resources: lost_rays.screen_resources(gbuffer, *pyramid),
             color_buffer: Some(Sampled::nearest(gbuffer.color.level(0))),
-            lost_ray_resources: beyond.resources(),
+            lost_ray_resources: lost_rays.resources(),
             ray_structure: triangle_bindings.and_then(|bindings| bindings.triangles.structure),
             triangle_resources: triangle_bindings.map(|bindings| bindings.resources()),
         };
         self.mirrors.run(frame, "trace/mirrors", (parameters, *tiles), [first, second, hits], &program)?;
-        Ok(wanted.map(Hits))
+        Ok(self.hits.as_ref().map(Hits))
     }
 
-    /// Records pass "hits" if hits are wanted: fills their image with [`NO_HIT`], for a frame without mirrors.
-    pub fn no_hits<'a>(&'a self, frame: &mut Frame) -> Result<Option<Hits<'a>>> {
+    /// Records pass "hits" if hits are wanted: fills their image with [`NO_HIT`].
+    pub fn clear_hits<'a>(&'a self, frame: &mut Frame) -> Result<Option<Hits<'a>>> {
         let Some(hits) = &self.hits else { return Ok(None) };
         frame.clear("hits", hits.all(), NO_HIT)?;
         Ok(Some(Hits(hits)))

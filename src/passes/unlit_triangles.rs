@@ -2,7 +2,8 @@
 //! is the light that the mesh emits at that place.
 
 use super::triangle_scene::{
-    TEXELS, TriangleBuffers, TriangleGeometry, TriangleImages, TriangleReading, TriangleTable, VECTORS, staged,
+    TEXELS, TriangleBuffers, TriangleGeometry, TriangleImages, TriangleReading, TriangleTable, VECTORS,
+    buffer_and_staging,
 };
 use crate::error::Result;
 use crate::gpu::sync::Access;
@@ -35,11 +36,13 @@ impl UnlitTriangles {
         textures: &[Texture],
     ) -> Result<Self> {
         let vectors = TriangleGeometry::vectors(tree, records);
-        let (geometry_staging, geometry) = staged(gpu, "triangles", bytemuck::cast_slice(&vectors), VECTORS)?;
-        let (words, maps) = TriangleImages::words(textures.iter().map(|texture| (texture, levels(texture))));
-        let (image_staging, images) = staged(gpu, "textures", bytemuck::cast_slice(&words), TEXELS)?;
+        let (geometry, geometry_staging) =
+            buffer_and_staging(gpu, "triangles", bytemuck::cast_slice(&vectors), VECTORS)?;
+        let (words, maps) = TriangleImages::words(textures.iter().map(|texture| (texture, mip_levels(texture))));
+        let (images, image_staging) = buffer_and_staging(gpu, "textures", bytemuck::cast_slice(&words), TEXELS)?;
         let images = TriangleImages::from_buffer(maps, images);
-        let (table_staging, table) = staged(gpu, "colours", bytemuck::cast_slice(&images.rows(materials)), VECTORS)?;
+        let rows = images.rows(materials);
+        let (table, table_staging) = buffer_and_staging(gpu, "colours", bytemuck::cast_slice(&rows), VECTORS)?;
         Ok(Self {
             geometry: TriangleGeometry::from_buffer(tree, records, geometry),
             images,
@@ -50,27 +53,28 @@ impl UnlitTriangles {
 
     /// Records the passes "triangles/upload", which copy the three buffers to the device.
     pub fn record(&self, frame: &mut Frame) -> Result<()> {
-        let TriangleBuffers { geometry, images, table, .. } = self.bound();
+        let TriangleBuffers { geometry, images, table, .. } = self.buffers();
         for (from, to) in self.staging.iter().zip([geometry, images, table]) {
             frame.copy_buffer("triangles/upload", from, to.buffer(), Access::ComputeStorageRead)?;
         }
         Ok(())
     }
 
-    /// Returns how shaders read the triangles. Walks have room for any tree, since more triangles may replace these.
+    /// Returns how shaders read the triangles. The stack of a walk has room for a tree of any depth, since more
+    /// triangles may replace these.
     pub fn reading(&self) -> TriangleReading {
         TriangleReading { unlit: true, walk_room: TREE_DEPTH, ..self.geometry.reading(&self.images, 0) }
     }
 
     /// Returns the buffers that passes bind.
-    pub fn bound(&self) -> TriangleBuffers<'_> {
-        self.geometry.bound(&self.images, &self.table)
+    pub fn buffers(&self) -> TriangleBuffers<'_> {
+        self.geometry.buffers(&self.images, &self.table)
     }
 }
 
 /// Returns the texels of each level of a texture, from the finest to a single texel, packed by [`words`]. A texel is
 /// the mean, in linear light, of 2 × 2 texels of the level before; the last texels of an odd side are left out.
-fn levels(texture: &Texture) -> Vec<Vec<u32>> {
+fn mip_levels(texture: &Texture) -> Vec<Vec<u32>> {
     let is_srgb = texture.encoding == Encoding::Srgb;
     let decoded = |value: f32| if is_srgb { srgb_to_linear(value) } else { value };
     let encoded = |light: f32| if is_srgb { linear_to_srgb(light) } else { light };
@@ -114,7 +118,7 @@ mod tests {
     #[test]
     fn a_level_is_the_mean_of_light_over_the_one_before() {
         let level_bytes = |encoding| {
-            let made = levels(&texture([4, 2], encoding, &[0, 255, 10, 10, 255, 0, 10, 10]));
+            let made = mip_levels(&texture([4, 2], encoding, &[0, 255, 10, 10, 255, 0, 10, 10]));
             made.iter()
                 .map(|level| level.iter().map(|word| word.to_le_bytes()[0]).collect::<Vec<_>>())
                 .collect::<Vec<_>>()
@@ -122,7 +126,7 @@ mod tests {
         // Half of all light is 188 of 255 in sRGB.
         assert_eq!(level_bytes(Encoding::Linear)[1..], [vec![128, 10], vec![69]]);
         assert_eq!(level_bytes(Encoding::Srgb)[1], [188, 10]);
-        let odd = levels(&texture([3, 1], Encoding::Linear, &[0, 100, 255]));
+        let odd = mip_levels(&texture([3, 1], Encoding::Linear, &[0, 100, 255]));
         assert_eq!(odd.iter().map(Vec::len).collect::<Vec<_>>(), [3, 1]);
         assert_eq!(odd[1][0].to_le_bytes(), [50, 50, 50, 255]);
     }

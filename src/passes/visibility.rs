@@ -19,19 +19,11 @@ impl VisibilityPass {
     /// Makes the pass with a full chain over a size in pixels.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
+        let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let (format, levels) = (FORMAT, image::full_chain(extent));
         Ok(Self {
-            pipeline: PixelPipeline::new(gpu, stage, [FORMAT], &())?,
-            chain: Image::new(
-                gpu,
-                &ImageDesc {
-                    name: "visibility",
-                    format: FORMAT,
-                    extent,
-                    levels: image::full_chain(extent),
-                    layers: 1,
-                    usage: stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST,
-                },
-            )?,
+            pipeline: PixelPipeline::new(gpu, stage, [format], &())?,
+            chain: Image::new(gpu, &ImageDesc { name: "visibility", format, extent, levels, layers: 1, usage })?,
         })
     }
 
@@ -51,11 +43,11 @@ impl VisibilityPass {
                 },
             )?;
         }
-        Ok(self.made())
+        Ok(self.recorded())
     }
 
     /// Returns the chain as it was recorded last.
-    pub fn made(&self) -> Visibility<'_> {
+    pub fn recorded(&self) -> Visibility<'_> {
         Visibility(&self.chain)
     }
 }

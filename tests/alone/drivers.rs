@@ -160,7 +160,7 @@ fn both_drivers_record_and_time_the_same_passes() {
         r["recorded"].as_array().unwrap().iter().filter(|pass| *pass != "no triangle").cloned().collect()
     };
     let rooms = library::scene("rooms").unwrap();
-    let shown = METHODS.iter().filter(|method| method.lacks(&rooms).is_empty()).count();
+    let shown = METHODS.iter().filter(|method| method.unmet_needs(&rooms).is_empty()).count();
     assert_eq!((ours.len(), theirs.len()), (2 * shown, 2 * shown));
     for (a, b) in ours.iter().zip(&theirs) {
         assert_eq!(a["method"], b["method"]);
@@ -210,7 +210,7 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     assert_eq!(records_of("validation")[0]["messages"], Value::Array(Vec::new()));
     // The second driver is installed, and draws the images with which those of the first are compared.
     let rooms = crate::common::built_in("rooms");
-    let shown = METHODS.iter().filter(|method| method.lacks(&rooms).is_empty()).count();
+    let shown = METHODS.iter().filter(|method| method.unmet_needs(&rooms).is_empty()).count();
     assert_eq!((records_of("agreement").len(), records_of("drawn").len()), (2 * shown, 3));
     assert!(times.iter().all(|r| r["noise_floor"].as_f64().is_some()), "a floor for each");
     let page = folder.text("study/index.html");

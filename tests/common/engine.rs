@@ -133,7 +133,7 @@ impl Engine {
         let part =
             vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).level_count(1).layer_count(1);
         let like = (output.format, output.extent);
-        let image = Image::of_others(&self.gpu, "output", (output.image, output.view), part, like);
+        let image = Image::borrowed(&self.gpu, "output", (output.image, output.view), part, like);
         self.frames
             .once(|frame| {
                 frame.take_over(&image, ImageUse::TRANSFER_SOURCE);

@@ -307,7 +307,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     // alone; and four figures.
     let methods_in = |name: &str| {
         let scene = crate::common::built_in(name);
-        ssct::methods::METHODS.iter().filter(|method| method.lacks(&scene).is_empty()).count()
+        ssct::methods::METHODS.iter().filter(|method| method.unmet_needs(&scene).is_empty()).count()
     };
     let methods = methods_in("rooms");
     assert_eq!(images.len(), 2 * 3 + methods + methods_in("atrium") + 4);

@@ -59,8 +59,9 @@ fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
     records.iter().map(|r| (r["pass"].as_str().unwrap(), r["verdict"].as_str().unwrap_or("null"))).collect()
 }
 
-/// Constant factors on the time of `trace` give the verdicts that follow from ratios and the threshold of 5 %. The
-/// fields of the total's record are those of a hand computation.
+/// The time of `trace` is multiplied by one factor in even frames and by another one in odd frames. The verdicts are
+/// those that follow from the ratios and the threshold of 5 %. The fields of the total's record are those of a hand
+/// computation.
 #[test]
 fn each_pass_and_the_total_get_a_verdict() {
     let folder = Folder::new();

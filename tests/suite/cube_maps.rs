@@ -7,7 +7,7 @@ use ash::vk;
 use glam::{DVec2, DVec3, Vec3};
 use ssct::error::Error;
 use ssct::gpu::{Buffer, FrameContext};
-use ssct::methods::capture::capture;
+use ssct::methods::capture::capture_cube_maps;
 use ssct::methods::{EffectParams, Fallback, METHODS, SceneInput, Setup, Wants, find};
 use ssct::passes::cube_filter::{CubeFilterPass, FACE_SIZE, LEVELS, level_roughness};
 use ssct::passes::scene_data::SceneData;
@@ -87,7 +87,7 @@ fn faces_show_what_lies_in_their_directions() {
     let data = SceneData::upload(&mut context, &scene).unwrap();
     let place = Vec3::new(1.0, 0.3, -0.5);
     let input = SceneInput { data: &data, materials: &scene.materials };
-    let maps = capture(&mut context, &input, &[place]).unwrap();
+    let maps = capture_cube_maps(&mut context, &input, &[place]).unwrap();
     let faces = context.read(maps[0].level(0)).unwrap();
     assert_eq!([faces.width, faces.height], [FACE_SIZE, 6 * FACE_SIZE]);
     let mut clear = 0;
@@ -306,7 +306,7 @@ fn a_fallback_shows_where_the_method_fades() {
         let fallback_alone = image(name, Fallback::None);
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let (alone, both) = (image(method.name, Fallback::None), image(method.name, fallback));
-            let (mut part, mut whole) = (0, 0);
+            let (mut partly_faded, mut wholly_faded) = (0, 0);
             for (i, found) in both.get("reflection").texels().enumerate() {
                 let pixel = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
                 let (local, fallback_texel) = (pixel(&alone), pixel(&fallback_alone));
@@ -326,11 +326,13 @@ fn a_fallback_shows_where_the_method_fades() {
                 if ["unified", "stochastic"].contains(&method.name) && fade > 0.0 {
                     // The rays of a lobe that miss are black without a fallback, and let the fallback through: one
                     // share of each channel, which is at least the share that the fade leaves.
-                    let c = (0..3).max_by(|a, b| fallback_texel[*a].total_cmp(&fallback_texel[*b])).unwrap();
-                    let share = (added[c] / fallback_texel[c].max(0.01)).max(through);
-                    assert!(share <= 1.0 + 1.0 / 256.0 / fallback_texel[c].max(0.01), "{share} of {name}, pixel {i}");
+                    let brightest = (0..3).max_by(|a, b| fallback_texel[*a].total_cmp(&fallback_texel[*b])).unwrap();
+                    let fallback_light = fallback_texel[brightest].max(0.01);
+                    let share = (added[brightest] / fallback_light).max(through);
+                    // The share is at most 1. Rounding may raise the light by four steps of a 16-bit float at 1.
+                    assert!(share <= 1.0 + 1.0 / 256.0 / fallback_light, "{share} of {name}, pixel {i}");
                     // The error of the share is that of the channel from which the share was computed.
-                    let share_error = allowed[c] / fallback_texel[c].max(0.01);
+                    let share_error = allowed[brightest] / fallback_light;
                     allowed = std::array::from_fn(|other| allowed[other] + share_error * fallback_texel[other]);
                     through = share;
                 }
@@ -344,12 +346,16 @@ fn a_fallback_shows_where_the_method_fades() {
                     );
                 }
                 assert_eq!(found[3], fallback_texel[3], "nothing fades where something reflects");
-                part += usize::from(fade > 0.0 && fade < 1.0);
-                whole += usize::from(fade == 0.0 && fallback_texel[3] == 1.0);
+                partly_faded += usize::from(fade > 0.0 && fade < 1.0);
+                wholly_faded += usize::from(fade == 0.0 && fallback_texel[3] == 1.0);
             }
             // SSLR is printed without a fade: it hits or it misses.
             let fades = method.name != "sslr";
-            assert!(whole > 250 && (part > 25) == fades, "{}: {part} faded in part, {whole} wholly", method.name);
+            assert!(
+                wholly_faded > 250 && (partly_faded > 25) == fades,
+                "{}: {partly_faded} faded in part, {wholly_faded} wholly",
+                method.name
+            );
         }
     }
 }

@@ -350,7 +350,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     // The expected image is made with the same captures from the host, whose normals were drawn.
     let mut host = FrameContext::new(&gpu).unwrap();
     let given = CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
-    let given = given.within(scene.bounds());
+    let given = given.with_bounds(scene.bounds());
     let method = ssct::methods::find("unified").unwrap();
     let setup = Setup::new([97, 61]);
     let effect = ssct::methods::Effect::with_captures(&mut host, method, &setup, Wants::REFLECTION, given).unwrap();

@@ -1,7 +1,7 @@
 //! Tests the table of requests that an effect refuses: each row is the first match of some request, and names a
 //! parameter that exists.
 
-use ssct::methods::exclusions::{Asked, Brought, EXCLUSIONS, Exclusion, check};
+use ssct::methods::exclusions::{EXCLUSIONS, EffectRequest, Exclusion, GivenPart, check};
 use ssct::methods::layers::LayerParams;
 use ssct::methods::setup::{BeyondScreen, CaptureCount, Tracer};
 use ssct::methods::{EffectParams, Fallback, Setup, find, parameters};
@@ -9,17 +9,18 @@ use ssct::passes::trace_normals::TraceNormals;
 use ssct_ground::scene::ProjectionKind;
 
 /// Returns a request for a method beside the scene.
-fn with_scene<'a>(method: &'static str, setup: &'a Setup) -> Asked<'a> {
+fn with_scene<'a>(method: &'static str, setup: &'a Setup) -> EffectRequest<'a> {
     let info = find(method).unwrap();
-    let (effect, brought) = (setup.effect(), None);
-    Asked { info, setup, effect, has_scene: true, has_captures: false, has_triangles: false, brought }
+    let (effect, given_part) = (setup.effect(), None);
+    EffectRequest { info, setup, effect, has_scene: true, has_captures: false, has_triangles: false, given_part }
 }
 
 /// Returns a request for a method on a G-buffer without the scene, beside the captures or triangles that the caller
 /// brought, if any.
-fn without_scene<'a>(method: &'static str, setup: &'a Setup, brought: Option<Brought>) -> Asked<'a> {
-    let [has_captures, has_triangles] = [Brought::Captures, Brought::Triangles].map(|part| brought == Some(part));
-    Asked { has_scene: false, has_captures, has_triangles, brought, ..with_scene(method, setup) }
+fn without_scene<'a>(method: &'static str, setup: &'a Setup, given_part: Option<GivenPart>) -> EffectRequest<'a> {
+    let [has_captures, has_triangles] =
+        [GivenPart::Captures, GivenPart::Triangles].map(|part| given_part == Some(part));
+    EffectRequest { has_scene: false, has_captures, has_triangles, given_part, ..with_scene(method, setup) }
 }
 
 /// For each row of the table in order, one request is refused by that row first, in a sentence. A row that an earlier
@@ -28,9 +29,9 @@ fn without_scene<'a>(method: &'static str, setup: &'a Setup, brought: Option<Bro
 fn each_is_the_first_that_some_request_asks_for() {
     let plain = Setup::new([8, 8]);
     let with = |change: fn(&mut EffectParams)| plain.with(change);
-    let (captures, triangles) = (Some(Brought::Captures), Some(Brought::Triangles));
-    let in_captures = |setup| Asked { has_captures: true, ..with_scene("unified", setup) };
-    let among_triangles = |setup| Asked { has_triangles: true, ..with_scene("unified", setup) };
+    let (captures, triangles) = (Some(GivenPart::Captures), Some(GivenPart::Triangles));
+    let in_captures = |setup| EffectRequest { has_captures: true, ..with_scene("unified", setup) };
+    let among_triangles = |setup| EffectRequest { has_triangles: true, ..with_scene("unified", setup) };
     let at_eye = with(|p| p.captures = CaptureCount::Camera);
     let renewed = with(|p| p.captures_per_frame = 1);
     let at_camera = with(|p| (p.captures, p.captures_per_frame) = (CaptureCount::Camera, 1));
@@ -62,7 +63,7 @@ fn each_is_the_first_that_some_request_asks_for() {
         with_scene("pccm", &over_maps),
         without_scene("ssct", &over_maps, None),
     ];
-    let first = |request: &Asked| EXCLUSIONS.iter().position(|exclusion| (exclusion.applies)(request));
+    let first = |request: &EffectRequest| EXCLUSIONS.iter().position(|exclusion| (exclusion.applies)(request));
     assert_eq!(requests.iter().filter_map(first).collect::<Vec<_>>(), (0..EXCLUSIONS.len()).collect::<Vec<_>>());
     for request in &requests {
         assert!(check(request).is_err_and(|e| e.to_string().len() > 40));

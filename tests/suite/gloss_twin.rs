@@ -12,7 +12,7 @@ use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::lost::{ListContent, LostRays, capture_block};
 use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::tiles::UnifiedSetup;
-use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
+use ssct::passes::unified_gloss::{GlossImages, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_ground::math::OracleVersion;
 use ssct_ground::math::random::Stream;
@@ -52,22 +52,21 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
-    let (strip, oracle, over) = (pyramid::strip(extent), mode.oracle, mode.over);
     let setup = UnifiedSetup {
         extent,
         projection: data.camera.kind(),
-        strip,
-        oracle,
-        over,
+        strip: pyramid::strip(extent),
+        oracle: mode.oracle,
+        over_fallback: mode.over,
         composite: true,
         reflection: true,
-        screen: true,
-        followed: false,
+        walks_screen: true,
+        follows_lost_rays: false,
         triangles: None,
         own_rays: 0,
         stores_ends: false,
-        trace: ShaderStage::Fragment,
-        resolve: ShaderStage::Fragment,
+        trace_stage: ShaderStage::Fragment,
+        resolve_stage: ShaderStage::Fragment,
     };
     let pyramid = PyramidPass::for_projection(gpu, extent, setup.projection).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
@@ -93,8 +92,8 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
     };
     let lost = LostRays::new(gpu, extent, ListContent::Nothing).unwrap();
     let block = capture_block(&data.camera, None);
-    let beyond = lost.beyond(&mut frame, &block, None, false).unwrap();
-    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond, triangle_bindings: None };
+    let lost_rays = lost.bindings(&mut frame, &block, None, false).unwrap();
+    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, lost_rays, triangle_bindings: None };
     if known.narrow {
         gloss.trace_narrow(&mut frame, &input, &parameters).unwrap();
         gloss.resolve_narrow(&mut frame, &input, &parameters).unwrap();
@@ -106,7 +105,7 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
     frame.finish().unwrap();
     let mut read = |image: &Image| context.read(image.level(0)).unwrap();
     let vec4 = |texel: &[f32]| Vec4::from_slice(texel);
-    let BetweenPasses { records, place, seen, cell_reflection, cell_surface, .. } = gloss.between();
+    let GlossImages { records, place, seen, cell_reflection, cell_surface, .. } = gloss.images();
     let [narrow, place, seen, cell_reflection, cell_surface] =
         [records, place, seen, cell_reflection, cell_surface].map(&mut read);
     let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {

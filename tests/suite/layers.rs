@@ -202,7 +202,7 @@ fn what_has_no_second_layer_says_so() {
     }
     refused(&["render", "--method", "ssct", "--layers", "2", "-o", "image.png"], "layers is no parameter of ssct");
     let reads: Vec<_> =
-        METHODS.iter().filter(|m| m.reads().iter().any(|p| p.name == "layers")).map(|m| m.name).collect();
+        METHODS.iter().filter(|m| m.read_parameters().iter().any(|p| p.name == "layers")).map(|m| m.name).collect();
     assert_eq!(reads, METHODS_WITH_LAYERS);
     let layers = LayerParams::table().into_iter().find(|p| p.name == "layers").unwrap();
     assert_eq!(layers.published, Value::Count(1));

@@ -127,7 +127,7 @@ fn only_what_moves_is_built_anew_and_only_when_it_moves() {
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let built = Rc::new([const { Cell::new(0) }; 2]);
-    stage.scene_mut().build_trees_by(Counting(Trees::new(&scene), Rc::clone(&built)));
+    stage.scene_mut().set_tree_builder(Counting(Trees::new(&scene), Rc::clone(&built)));
     let shot = shot(&mut stage, &scene, (traced(), &Setup::new(EXTENT)));
     let mut frame = |offset: f32| {
         built.iter().for_each(|n| n.set(0));

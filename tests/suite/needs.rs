@@ -43,7 +43,7 @@ fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
         let scene = library::scene(name).unwrap();
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         for method in METHODS.iter().filter(|m| !m.needs.is_empty()) {
-            let lacks = method.lacks(&scene);
+            let lacks = method.unmet_needs(&scene);
             assert_eq!(is_black(&mut stage, &scene, method), !lacks.is_empty(), "{} in {name}: {lacks:?}", method.name);
             *if lacks.is_empty() { &mut seen } else { &mut black } += 1;
         }

@@ -13,7 +13,7 @@ use ssct_lab::report::{plot, tables};
 use ssct_lab::stage::Globals;
 use ssct_lab::study::engine::Row;
 use ssct_lab::study::error::{ErrorRecord, ErrorReference, ImageError, source_table};
-use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
+use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded_setup};
 use ssct_lab::study::table::{cells, compare};
 use ssct_lab::study::timing::chart;
 use ssct_lab::study::{Stats, TimeRecord};
@@ -43,7 +43,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
         width: 640,
         height: 480,
         roughness: Some(roughness),
-        setup: recorded(&Setup::new([640, 480]), find(method).ok(), &Lens::default(), &globals),
+        setup: recorded_setup(&Setup::new([640, 480]), find(method).ok(), &Lens::default(), &globals),
     }
 }
 
@@ -249,7 +249,7 @@ impl Made {
             },
             views: &[gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
             figures: &[lit],
-            same: &[],
+            agreement: &[],
             records: vec![("time.json".into(), "times".into()), ("images/".into(), "pictures".into())],
         };
         let html = page.render(&PictureFolder::new(path)).unwrap();
@@ -321,7 +321,7 @@ fn a_missing_picture_is_named() {
         errors: Errors { settings: String::new(), records: &[], plots: Vec::new(), pictures: Vec::new() },
         views: &[],
         figures: &[],
-        same: &[],
+        agreement: &[],
         records: Vec::new(),
     };
     let folder = PictureFolder::new(page.folder.root());

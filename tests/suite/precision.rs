@@ -27,12 +27,12 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
 
     let materials = globals.materials(&scene, view);
     let exact = ExactGBuffer::trace(&World::new(&scene, &materials), &view.camera(&scene, SIZE), SIZE);
-    let own = Storage::OWN.store(&exact);
+    let rounded = Storage::SSCT.store(&exact);
     let mut context = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut context, &exact.data).unwrap();
     let uploaded = images.gbuffer();
-    assert!(context.read(uploaded.depth.all()).unwrap().values == own.depth);
-    for (image, values) in [(uploaded.normal.all(), &own.normal), (uploaded.color.level(0), &own.color)] {
+    assert!(context.read(uploaded.depth.all()).unwrap().values == rounded.depth);
+    for (image, values) in [(uploaded.normal.all(), &rounded.normal), (uploaded.color.level(0), &rounded.color)] {
         let read: Vec<Vec3> = context.read(image).unwrap().texels().map(Vec3::from_slice).collect();
         assert!(read == *values, "an image of the G-buffer rounds otherwise than its rung");
     }
@@ -43,10 +43,11 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
         measure(&PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 }).unwrap();
     let finest = Storage::FINEST;
     for method in [ORACLE, "unified"] {
-        let rungs = rungs(&records, method);
-        assert_eq!(rungs.len(), Storage::ladder().len());
-        let wrong = |storage: Storage| rungs.iter().find(|r| r.storage == storage).unwrap().wrong_hits.unwrap();
-        let rmse = |storage: Storage| rungs.iter().find(|r| r.storage == storage).unwrap().rmse[0];
+        let method_rungs = rungs(&records, method);
+        assert_eq!(method_rungs.len(), Storage::ladder().len());
+        let rung = |storage: Storage| method_rungs.iter().find(|r| r.storage == storage).unwrap();
+        let wrong = |storage: Storage| rung(storage).wrong_hits.unwrap();
+        let rmse = |storage: Storage| rung(storage).rmse[0];
         let normal = |normal| Storage { normal, ..finest };
         let halves = normal(NormalFormat::Rgba16f);
         if method == ORACLE {
@@ -54,23 +55,23 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
         } else {
             // `unified` has normals of 16-bit floats at best, and loses as many hits by them as the oracle does.
             assert_eq!((wrong(finest), rmse(finest)), (wrong(halves), rmse(halves)), "{method}");
-            let oracle = ssct_lab::study::precision::rungs(&records, ORACLE);
-            let cost = oracle.iter().find(|r| r.storage == halves).unwrap();
-            let lost = cost.wrong_hits.unwrap();
+            let oracle_rungs = rungs(&records, ORACLE);
+            let oracle_rung = |storage: Storage| oracle_rungs.iter().find(|r| r.storage == storage).unwrap();
+            let lost = oracle_rung(halves).wrong_hits.unwrap();
             assert!((wrong(halves) - lost).abs() < 1e-3, "{method}: {} {lost}", wrong(halves));
             // The reference filters over the pixel and the method does not: the method's own image with the finest
             // format tells what coarser formats cost it.
-            let own = |storage: Storage| {
+            let drawn = |storage: Storage| {
                 let stored = storage.store(&exact);
                 let made = gbuffer::reflect(&gpu, &stored, None, methods[0], &Setup::new(SIZE)).unwrap().reflection;
                 made.texels().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>()
             };
-            let (finest_image, mask) = (own(finest), exact.data.reflecting());
-            assert!(own(halves) == finest_image, "{method}");
+            let (finest_image, mask) = (drawn(finest), exact.data.reflecting());
+            assert!(drawn(halves) == finest_image, "{method}");
             // Coarser colours cost both alike. Coarser normals cost the method more, since the reference averages over
             // a pixel.
-            let cost_of = |coarser: Storage| masked_rmse(&finest_image, &own(coarser), &mask);
-            let oracle_rmse = |coarser: Storage| oracle.iter().find(|r| r.storage == coarser).unwrap().rmse[0];
+            let cost_of = |coarser: Storage| masked_rmse(&finest_image, &drawn(coarser), &mask);
+            let oracle_rmse = |coarser: Storage| oracle_rung(coarser).rmse[0];
             let color = Storage { color: ColorFormat::Rgba8Srgb, ..finest };
             let costs = [cost_of(color), oracle_rmse(color)];
             assert!(costs[0] > 0.0 && (costs[0] - costs[1]).abs() < 1e-3, "{method}: {costs:?}");

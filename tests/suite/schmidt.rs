@@ -159,7 +159,7 @@ fn steps_and_blur_do_what_they_say() {
     let (plain, blurred) = (image("ssr-fast", 1, false), image("ssr-fast", 1, true));
     assert_eq!(plain.get("hits"), blurred.get("hits"));
     assert_ne!(plain.get("reflection"), blurred.get("reflection"));
-    assert!(find("ssr").unwrap().reads().iter().all(|p| p.name != "distance_blur"));
+    assert!(find("ssr").unwrap().read_parameters().iter().all(|p| p.name != "distance_blur"));
     // The printed listing adds a sample of level 7 and does not count it. Near the viewer, the sum of one sample and
     // the mean of the surroundings is thus divided by one, and about twice as bright.
     let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();

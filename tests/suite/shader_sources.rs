@@ -5,7 +5,7 @@
 #[path = "../../src/gpu/declarations.rs"]
 mod declarations;
 
-use declarations::{Groups, Permutation, Stage, find_stored, program};
+use declarations::{Groups, Permutation, Stage, declare_program, find_stored};
 use ssct::gpu::glsl::{self, Group, NamedProgram, groups_in, in_either_stage, programs};
 use ssct::gpu::interface::{self, Interface, StageBinding};
 use std::collections::BTreeMap;
@@ -44,7 +44,7 @@ fn declared(permutations: &mut [Permutation], groups: &[(&str, &[&str])]) -> Res
     });
     let mut groups = Groups::new(named.collect());
     find_stored(permutations)?;
-    let text = program("Made", permutations, &mut groups)?;
+    let text = declare_program("Made", permutations, &mut groups)?;
     Ok(text + &groups.text()?)
 }
 

@@ -133,7 +133,7 @@ fn around(extent: [u32; 2]) -> Vec<Setup> {
 
 /// Returns whether a method has the parameter `stage` and is not `unified`, which has stages of its own.
 fn is_published(method: &&MethodInfo) -> bool {
-    method.name != "unified" && method.reads().iter().any(|p| p.name == "stage")
+    method.name != "unified" && method.read_parameters().iter().any(|p| p.name == "stage")
 }
 
 /// Every method with each of its settings, at four sizes, makes equal images in both kinds of shader, without a message
@@ -187,7 +187,8 @@ fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
     }
     let captured =
         Setup::new(extent).with(|p: &mut EffectParams| p.captures = ssct::methods::setup::CaptureCount::Auto);
-    for method in METHODS.iter().filter(|m| is_published(m) && !m.is_screen_space() && m.lacks(&scene).is_empty()) {
+    for method in METHODS.iter().filter(|m| is_published(m) && !m.is_screen_space() && m.unmet_needs(&scene).is_empty())
+    {
         assert_eq!(check_same(&mut place, method, &captured, Wants::REFLECTION), 1, "{}", method.name);
         check_validation(&gpu).unwrap_or_else(|e| panic!("{}: {e}", method.name));
     }

@@ -94,7 +94,7 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let kind = data.camera.kind();
     let pass = PyramidPass::for_projection(gpu, extent, kind).unwrap();
-    let method = unified::INFO.alone(gpu, &setup(extent, oracle).seen_by(kind), Wants::HITS).unwrap();
+    let method = unified::INFO.make_alone(gpu, &setup(extent, oracle).seen_by(kind), Wants::HITS).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
     let parameters = unified::parameters(&data.camera, extent, true);
     let pyramid = pass.record(&mut frame, &images.gbuffer(), &parameters).unwrap();
@@ -399,7 +399,7 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
         // The method alone knows that a fallback is set, but the fallback is not drawn.
         let [alone, over] = [Fallback::None, Fallback::Environment].map(|fallback| {
             let setup = plain.with(|p: &mut EffectParams| p.fallback = fallback);
-            let method = unified::INFO.alone(&gpu, &setup, Wants::REFLECTION).unwrap();
+            let method = unified::INFO.make_alone(&gpu, &setup, Wants::REFLECTION).unwrap();
             corridor.made(&mut stage.context, &*method, shot.gbuffer.gbuffer()).0
         });
         let (mut pixels, mut partly_missed) = (0, 0);
@@ -441,7 +441,7 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
         let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
         let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
         let run = |context: &mut FrameContext, frames: &[usize]| {
-            let method = unified::INFO.alone(&gpu, &Setup::on_screen(extent), Wants::REFLECTION).unwrap();
+            let method = unified::INFO.make_alone(&gpu, &Setup::on_screen(extent), Wants::REFLECTION).unwrap();
             frames.iter().map(|i| corridor.made(context, &*method, images[*i].gbuffer())).last().unwrap()
         };
         let alone = run(&mut stage.context, &[1]);
@@ -471,7 +471,7 @@ fn every_way_to_draw_makes_the_same_image() {
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
             // With hits, too, the image is drawn whole, so that the compared passes are the timed ones.
             assert!(report.recorded.iter().all(|p| p != "composite"), "{:?}", report.recorded);
-            let method = unified::INFO.alone(&gpu, &setup, wants).unwrap();
+            let method = unified::INFO.make_alone(&gpu, &setup, wants).unwrap();
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
             let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
             let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };

@@ -64,7 +64,7 @@ fn alone(
     (camera, reflectors): (&Camera, Reflectors),
     (setup, wants): (&Setup, Wants),
 ) -> Made {
-    let method = unified::INFO.alone(gpu, setup, wants).unwrap();
+    let method = unified::INFO.make_alone(gpu, setup, wants).unwrap();
     let mut context = FrameContext::new(gpu).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
     let gbuffer = GBuffer { reflectors, ..images.gbuffer() };

@@ -44,12 +44,10 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let mut setups = Vec::new();
     for preset in [Preset::Published, Preset::Author] {
         for (split, wants) in [(false, Wants::REFLECTION), (false, Wants::HITS), (true, Wants::HITS)] {
-            for (chain_filter, march) in
-                [(ChainFilter::Hardware, LinearMarch::Growing), (ChainFilter::Gaussian, LinearMarch::Fixed)]
-            {
-                // Volumes of the largest size would take most of the test's time.
-                let small = extent[0] < 200 && chain_filter == ChainFilter::Gaussian;
-                let poster_filter = if small { PosterFilter::Volume } else { PosterFilter::Mip };
+            for (chain_filter, march, poster_filter) in [
+                (ChainFilter::Hardware, LinearMarch::Growing, PosterFilter::Mip),
+                (ChainFilter::Gaussian, LinearMarch::Fixed, PosterFilter::Volume),
+            ] {
                 let setup = usual.of_preset(preset);
                 let setup = setup.with(|p: &mut ThesisDrawing| (p.split, p.chain_filter) = (split, chain_filter));
                 let setup = setup.with(|p: &mut LinearParams| p.march = march);

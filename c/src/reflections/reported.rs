@@ -1,7 +1,7 @@
 //! Keeps the texts and arrays to which structs in the caller's memory point.
 
 use super::{SsctOutputImage, SsctPassTime, SsctRecorded, SsctSkipped};
-use crate::border::text;
+use crate::border::to_c_text;
 use crate::vulkan::{VkExtent2D, VkFormat, VkImage, VkImageView};
 use ssct::{OutputImage, Recorded};
 use std::ffi::{CString, c_char};
@@ -17,23 +17,23 @@ pub(super) struct Report {
 
 impl Report {
     /// Copies the names of a recorded frame's passes, and of the passes that it leaves out with the reasons.
-    pub(super) fn new(made: &Recorded) -> Self {
-        let skipped = made.skipped.iter().flat_map(|s| [&s.pass, &s.why]);
-        let texts: Vec<_> = made.passes.iter().chain(skipped).map(|words| text(words)).collect();
-        let (passes, skipped) = texts.split_at(made.passes.len());
+    pub(super) fn new(frame: &Recorded) -> Self {
+        let skipped = frame.skipped.iter().flat_map(|skip| [&skip.pass, &skip.why]);
+        let texts: Vec<_> = frame.passes.iter().chain(skipped).map(|words| to_c_text(words)).collect();
+        let (passes, skipped) = texts.split_at(frame.passes.len());
         let passes = passes.iter().map(|pass| pass.as_ptr()).collect();
-        let row = |[pass, why]: &[CString; 2]| SsctSkipped { pass: pass.as_ptr(), why: why.as_ptr() };
-        let skipped = skipped.as_chunks::<2>().0.iter().map(row).collect();
+        let to_row = |[pass, why]: &[CString; 2]| SsctSkipped { pass: pass.as_ptr(), why: why.as_ptr() };
+        let skipped = skipped.as_chunks::<2>().0.iter().map(to_row).collect();
         Self { _texts: texts, passes, skipped }
     }
 
     /// Returns the struct for the caller, whose pointers lead into this report.
-    pub(super) fn shown(&self, made: &Recorded, struct_size: usize) -> SsctRecorded {
+    pub(super) fn to_c_struct(&self, frame: &Recorded, struct_size: usize) -> SsctRecorded {
         SsctRecorded {
             struct_size,
-            composite: output(made.composite),
-            reflection: output(made.reflection),
-            hits: output(made.hits),
+            composite: to_c_image(frame.composite),
+            reflection: to_c_image(frame.reflection),
+            hits: to_c_image(frame.hits),
             passes: self.passes.as_ptr(),
             pass_count: self.passes.len() as u32,
             skipped_count: self.skipped.len() as u32,
@@ -43,10 +43,10 @@ impl Report {
 }
 
 /// Converts an output to the header's type; null handles for `None`.
-fn output(made: Option<OutputImage>) -> SsctOutputImage {
-    let none =
+fn to_c_image(output: Option<OutputImage>) -> SsctOutputImage {
+    let no_image =
         OutputImage { image: VkImage::null(), view: VkImageView::null(), format: VkFormat::UNDEFINED, extent: [0, 0] };
-    let OutputImage { image, view, format, extent: [width, height] } = made.unwrap_or(none);
+    let OutputImage { image, view, format, extent: [width, height] } = output.unwrap_or(no_image);
     SsctOutputImage { image, view, format, extent: VkExtent2D { width, height } }
 }
 

@@ -2,7 +2,7 @@
 //! two threads on one object. Each call is refused with a sentence, and nothing else happens.
 
 use super::program::Program;
-use super::{Inputs, SIDE, made, refused, said, sized, view};
+use super::{Inputs, SIDE, assert_ok, assert_refused, last_sentence, make_reflections, sized, view};
 use crate::border::SsctResult;
 use crate::captures::*;
 use crate::context::*;
@@ -19,7 +19,7 @@ fn null_pointers_are_refused_by_every_function() {
     let context = program.context();
     let frame = inputs.frame();
     let is_null = |result: SsctResult, argument: &str| {
-        refused(result, SsctResult::Usage, &format!("the argument {argument} is NULL"));
+        assert_refused(result, &format!("the argument {argument} is NULL"));
     };
     unsafe {
         is_null(ssct_context_create(null(), &mut null_mut()), "info");
@@ -41,15 +41,15 @@ fn null_pointers_are_refused_by_every_function() {
         is_null(ssct_triangles_create(context, null(), 2, &mut null_mut()), "meshes");
         is_null(ssct_triangles_create(null(), null(), 0, &mut null_mut()), "context");
         is_null(ssct_triangles_record_upload(null_mut(), program.commands), "triangles");
-        assert!(!ssct_context_has_timestamps(null()) && said().contains("context is NULL"));
-        assert!(ssct_methods(null_mut()).is_null() && said().contains("count is NULL"));
+        assert!(!ssct_context_has_timestamps(null()) && last_sentence().contains("context is NULL"));
+        assert!(ssct_methods(null_mut()).is_null() && last_sentence().contains("count is NULL"));
         assert_eq!(ssct_context_allocated_bytes(null()), 0);
         ssct_context_trim(null());
 
-        let reflections = made(context, &view(SIDE));
+        let reflections = make_reflections(context, &view(SIDE));
         is_null(ssct_reflections_record(reflections, program.commands, null(), null_mut()), "frame");
         let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &frame, null_mut());
-        refused(result, SsctResult::Usage, "the argument commands is a null handle");
+        assert_refused(result, "the argument commands is a null handle");
         is_null(ssct_reflections_times(reflections, 0, null_mut(), &mut 0), "times");
         is_null(ssct_reflections_times(reflections, 0, &mut null(), null_mut()), "count");
         for (lacking, argument) in [
@@ -78,10 +78,10 @@ fn structs_of_wrong_sizes_are_refused_by_every_function() {
     let mut inputs = Inputs::new(&mut program, SIDE);
     let context = program.context();
     unsafe {
-        let reflections = made(context, &view(SIDE));
+        let reflections = make_reflections(context, &view(SIDE));
         for size in [0, 1, 7, 8, 4097, usize::MAX] {
             let wrong = |result: SsctResult, name: &str| {
-                refused(result, SsctResult::Usage, &format!("is {size}; it must be sizeof({name})"));
+                assert_refused(result, &format!("is {size}; it must be sizeof({name})"));
             };
             let info = SsctContextInfo { struct_size: size, ..program.info() };
             wrong(ssct_context_create(&info, &mut null_mut()), "SsctContextInfo");
@@ -110,11 +110,11 @@ fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
     let mut inputs = Inputs::new(&mut program, SIDE);
     let context = program.context();
     unsafe {
-        let reflections = made(context, &view(SIDE));
+        let reflections = make_reflections(context, &view(SIDE));
         let frame = inputs.frame();
         ssct_reflections_destroy(reflections);
         let no_object = |result: SsctResult, name: &str| {
-            refused(result, SsctResult::Usage, &format!("is no {name}: it was destroyed, or never made"));
+            assert_refused(result, &format!("is no {name}: it was destroyed, or never made"));
         };
         no_object(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctReflections");
         no_object(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
@@ -122,21 +122,21 @@ fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
         no_object(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
         // A second call of the function that destroys does nothing, and the sentence says so.
         ssct_reflections_destroy(reflections);
-        assert!(said().contains("is no SsctReflections"), "{}", said());
+        assert!(last_sentence().contains("is no SsctReflections"), "{}", last_sentence());
         // The handle of a context is refused as triangles, and an address that the library did not return is refused as
         // any object.
         no_object(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
         ssct_triangles_destroy(context.cast());
-        assert!(said().contains("is no SsctTriangles"), "{}", said());
+        assert!(last_sentence().contains("is no SsctTriangles"), "{}", last_sentence());
         no_object(ssct_capture_cubes_record_face(dangling_mut(), program.commands, 0, null()), "SsctCaptureCubes");
-        let whole = made(context, &view(SIDE));
+        let whole = make_reflections(context, &view(SIDE));
         for given in [SsctFrame { captures: dangling(), ..frame }, SsctFrame { triangles: dangling(), ..frame }] {
             let result = ssct_reflections_record(whole, program.commands, &given, null_mut());
-            refused(result, SsctResult::Usage, "it was destroyed, or never made");
+            assert_refused(result, "it was destroyed, or never made");
         }
         ssct_context_destroy(context);
         no_object(ssct_reflections_create(context, &view(SIDE), &mut null_mut()), "SsctContext");
-        assert!(!ssct_context_has_timestamps(context) && said().contains("is no SsctContext"));
+        assert!(!ssct_context_has_timestamps(context) && last_sentence().contains("is no SsctContext"));
         ssct_reflections_destroy(whole);
     }
 }
@@ -145,7 +145,7 @@ fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
 fn two_threads_on_one_object_take_turns_or_are_refused() {
     let program = Program::new();
     let context = program.context();
-    let reflections = made(context, &view(SIDE));
+    let reflections = make_reflections(context, &view(SIDE));
     let (address, context_address) = (reflections as usize, context as usize);
     let begin = Barrier::new(3);
     // All threads may use a context at once. One thread at a time may use reflections, and a second call at the same
@@ -162,7 +162,7 @@ fn two_threads_on_one_object_take_turns_or_are_refused() {
                     let result = unsafe { ssct_reflections_resize(address as *mut SsctReflections, extent) };
                     match result {
                         SsctResult::Ok => done += 1,
-                        _ => refused(result, SsctResult::Usage, "is used by another call at the same time"),
+                        _ => assert_refused(result, "is used by another call at the same time"),
                     }
                 }
                 done
@@ -179,7 +179,7 @@ fn two_threads_on_one_object_take_turns_or_are_refused() {
     assert!(resized > 0);
     // The reflections are whole, and can be used as before.
     let extent = vk::Extent2D { width: SIDE, height: SIDE };
-    assert_eq!(unsafe { ssct_reflections_resize(reflections, extent) }, SsctResult::Ok, "{}", said());
+    assert_ok(unsafe { ssct_reflections_resize(reflections, extent) });
     unsafe {
         ssct_reflections_destroy(reflections);
         ssct_context_destroy(context);

@@ -1,6 +1,6 @@
 //! The device, the images and the command buffer of a program that uses the library, under the validation layers.
 
-use super::{said, sized};
+use super::{assert_ok, sized};
 use crate::border::SsctResult;
 use crate::context::{SsctContext, SsctContextInfo, ssct_context_create, ssct_enable_features};
 use crate::image::{SSCT_USE_TRANSFER_TARGET, SsctImage, ssct_image_use};
@@ -129,7 +129,7 @@ impl Program {
     /// Makes a context of the device.
     pub fn context(&self) -> *mut SsctContext {
         let mut context = null_mut();
-        assert_eq!(unsafe { ssct_context_create(&self.info(), &mut context) }, SsctResult::Ok, "{}", said());
+        assert_ok(unsafe { ssct_context_create(&self.info(), &mut context) });
         context
     }
 

@@ -21,7 +21,7 @@ pub const SKY: LinearRgba = LinearRgba::rgb(0.25, 0.4, 0.7);
 const SIDE: u32 = 128;
 
 /// An object of the hall. Its texture runs between two linear `colors`; the mirror has `None`.
-struct Thing {
+struct HallObject {
     mesh: Mesh,
     transform: Transform,
     colors: Option<[LinearRgba; 2]>,
@@ -62,7 +62,7 @@ pub fn ball(has_moved: bool) -> Vec3 {
 }
 
 /// Lists the objects of the hall: first the floor, last the ball.
-fn things(has_moved: bool) -> Vec<Thing> {
+fn objects(has_moved: bool) -> Vec<HallObject> {
     let wall = |x: f32, z: f32, turn: f32, width: f32| {
         let transform = Transform::from_xyz(x, 1.75, z).with_rotation(Quat::from_rotation_y(turn));
         (Rectangle::new(width, 3.5).into(), transform)
@@ -92,7 +92,7 @@ fn things(has_moved: bool) -> Vec<Thing> {
         (cuboid(Vec3::new(1.4, 0.2, 1.4), Vec3::new(2.4, 1.5, -2.6), 0.7), colors([0.9, 0.3, 0.7], [0.3, 0.6, 0.2])),
         (sphere(0.7, ball(has_moved)), colors([0.9, 0.3, 0.1], [0.95, 0.9, 0.85])),
     ];
-    list.into_iter().map(|((mesh, transform), colors)| Thing { mesh, transform, colors }).collect()
+    list.into_iter().map(|((mesh, transform), colors)| HallObject { mesh, transform, colors }).collect()
 }
 
 /// Makes the RGBA texels, in sRGB bytes, of a texture that runs from the first colour to the second along u. It gets
@@ -135,9 +135,9 @@ pub fn spawn(
         let from = Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
         commands.spawn((DirectionalLight { illuminance: 3000.0, ..default() }, from));
     }
-    let list = things(false);
+    let list = objects(false);
     let last = list.len() - 1;
-    for (number, Thing { mesh, transform, colors }) in list.into_iter().enumerate() {
+    for (number, HallObject { mesh, transform, colors }) in list.into_iter().enumerate() {
         let material = match colors {
             None if hall.is_mirrored => continue,
             None => StandardMaterial {
@@ -227,11 +227,11 @@ impl Sky {
 
 /// The triangles of the hall in the world, for the ray tracer of `truth.rs`.
 pub fn triangles(has_moved: bool) -> Vec<Triangle> {
-    things(has_moved).into_iter().flat_map(of_thing).collect()
+    objects(has_moved).into_iter().flat_map(triangles_of_object).collect()
 }
 
 /// Returns the triangles of an object in the world; none if its mesh lacks positions or texture coordinates.
-fn of_thing(Thing { mesh, transform, colors }: Thing) -> Vec<Triangle> {
+fn triangles_of_object(HallObject { mesh, transform, colors }: HallObject) -> Vec<Triangle> {
     let look = colors.map_or(Look::Mirror, |colors| {
         let bytes = texels(colors);
         let linear = |texel: &[u8; 4]| {

@@ -69,7 +69,7 @@ impl Default for SsctReflections {
 impl SsctReflections {
     /// Returns the settings for a world. The colour of a mesh is exact if the mesh is unlit; of a lit mesh, only the
     /// screen shows the exact colour. So if no mesh is lit, hits take the colours of the meshes.
-    fn seeing(&self, world: &WorldMeshes) -> Self {
+    fn for_world(&self, world: &WorldMeshes) -> Self {
         let mut settings = self.clone();
         let is_chosen = settings.parameters.iter().any(|(name, _)| name.replace('_', "-") == "hit-color");
         if settings.world && settings.method == "unified" && !world.is_lit && !is_chosen {
@@ -86,7 +86,7 @@ pub struct SsctPlugin;
 
 /// Gives every 3D camera the prepasses of deferred shading. The plugin draws all opaque meshes deferred, and a camera
 /// without the prepasses would not show them.
-fn see_deferred(mut commands: Commands, cameras: Query<Entity, (With<Camera3d>, Without<DeferredPrepass>)>) {
+fn add_deferred_prepasses(mut commands: Commands, cameras: Query<Entity, (With<Camera3d>, Without<DeferredPrepass>)>) {
     for camera in &cameras {
         commands.entity(camera).insert((DepthPrepass, DeferredPrepass));
     }
@@ -97,7 +97,7 @@ impl Plugin for SsctPlugin {
         app.init_resource::<WorldMeshes>()
             .init_resource::<LightOnMeshes>()
             .insert_resource(DefaultOpaqueRendererMethod::deferred())
-            .add_systems(PostUpdate, see_deferred)
+            .add_systems(PostUpdate, add_deferred_prepasses)
             .add_systems(Last, world::gather);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
         render_app

@@ -8,12 +8,12 @@
 //! #   --roughness 0.2                                      perceptual roughness of the floor; the figures are of mirrors
 //! #   --size 640x360, --frames 12                          the picture, and frames before it is taken
 //! #   --moved                                              the ball moves before the last frames
-//! #   --images FOLDER                                      what goes in and comes out of the last frame, as 32-bit floats
+//! #   --images FOLDER                                      inputs and outputs of the last frame, as 32-bit floats
 //! #   --truth FILE.png                                     the truth
 //! #   --lit                                                a lamp shines on the surfaces
-//! #   --mirrored                                           the hall through the floor: the truth of what is lit
-//! #   --mirror FILE.png                                    such a picture, as the truth for the figures
-//! #   --sky even|colorful|none                             the environment map, and the light that it has from where
+//! #   --mirrored                                           the hall mirrored at the floor: the truth for lit surfaces
+//! #   --mirror FILE.png                                    a picture of the mirrored hall, as the truth for the figures
+//! #   --sky even|colorful|none                             the environment map, and so the light from each direction
 //! ```
 //!
 //! It prints a line of figures: the error of the mirror's pixels against the truth, the share of them that show the

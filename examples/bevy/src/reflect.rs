@@ -242,7 +242,7 @@ impl Frame<'_> {
         let depth = self.prepass.depth.as_ref().zip(self.prepass.depth_only_view());
         let (depth, depth_view) = depth.ok_or("there is no depth prepass")?;
         let deferred = self.prepass.deferred_view().ok_or("there is no deferred prepass")?;
-        let settings = &self.reflected.settings.seeing(world);
+        let settings = &self.reflected.settings.for_world(world);
         let environment = self.environment();
         let mut raw = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("ssct") });
 

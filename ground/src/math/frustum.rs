@@ -2,8 +2,7 @@
 
 use glam::{Mat4, Vec3, Vec4};
 
-/// The six planes of a clip volume with depth 0…1, pointing inwards, in the space that the matrix maps from.
-/// Works for standard and for reversed depth.
+/// The six planes of a clip volume with standard or reversed depth, pointing inwards, in the space that the matrix maps from.
 pub struct Frustum([Vec4; 6]);
 
 impl Frustum {
@@ -27,28 +26,27 @@ impl Frustum {
 /// The share of the screen that a triangle would cover if nothing hid it. `to_clip` has standard depth. The triangle is clipped
 /// against all planes but the far one, and counts from both sides.
 pub fn projected_area(to_clip: &Mat4, triangle: &[Vec3; 3]) -> f32 {
-    let planes = [Vec4::Z, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(-1.0, 0.0, 0.0, 1.0)];
-    let planes = planes.into_iter().chain([Vec4::new(0.0, 1.0, 0.0, 1.0), Vec4::new(0.0, -1.0, 0.0, 1.0)]);
+    let planes = [Vec4::Z, Vec4::W + Vec4::X, Vec4::W - Vec4::X, Vec4::W + Vec4::Y, Vec4::W - Vec4::Y];
     let mut polygon: Vec<Vec4> = triangle.iter().map(|p| *to_clip * p.extend(1.0)).collect();
     for plane in planes {
         // Cuts off the part of the polygon behind the plane (Sutherland and Hodgman 1974).
-        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        let mut clipped = Vec::with_capacity(polygon.len() + 1);
         for (i, &corner) in polygon.iter().enumerate() {
             let next = polygon[(i + 1) % polygon.len()];
             let (from, to) = (plane.dot(corner), plane.dot(next));
             if from >= 0.0 {
-                kept.push(corner);
+                clipped.push(corner);
             }
             if (from >= 0.0) != (to >= 0.0) {
-                kept.push(corner.lerp(next, from / (from - to)));
+                clipped.push(corner.lerp(next, from / (from - to)));
             }
         }
-        polygon = kept;
+        polygon = clipped;
     }
     let points: Vec<_> = polygon.iter().filter(|p| p.w > 0.0).map(|p| p.truncate().truncate() / p.w).collect();
-    let twice: f32 = (2..points.len()).map(|i| (points[i - 1] - points[0]).perp_dot(points[i] - points[0])).sum();
-    // The polygon's area is half of the sum, and the screen's own area in these coordinates is 4: ½ · ¼ = 0.125.
-    0.125 * twice.abs()
+    let doubled_area: f32 =
+        (2..points.len()).map(|i| (points[i - 1] - points[0]).perp_dot(points[i] - points[0])).sum();
+    0.125 * doubled_area.abs() // ½ · ¼, since the screen's area in these coordinates is 4
 }
 
 #[cfg(test)]

@@ -29,15 +29,15 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
+/// Value noise in 0…1 with a continuous slope, which repeats after `period` lattice units.
 pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
     let ((x, fx), (y, fy)) = (split(point.x), split(point.y));
     let ((left, right), (lower, upper)) = (neighbours(x, period.x), neighbours(y, period.y));
-    let along = |y: i32| {
+    let on_row = |y: i32| {
         let (left, right) = (unit(IVec2::new(left, y), seed), unit(IVec2::new(right, y), seed));
         left + (right - left) * fx
     };
-    let (lower, upper) = (along(lower), along(upper));
+    let (lower, upper) = (on_row(lower), on_row(upper));
     lower + (upper - lower) * fy
 }
 
@@ -94,21 +94,21 @@ pub fn fractal_image(
             let (cell, weight) = split(uv * period as f32 * scale as f32);
             (neighbours(cell, period * scale), weight)
         };
-        let across: Vec<_> = columns.clone().map(|column| place(column, period.x)).collect();
-        let along = |y: i32| -> Vec<f32> {
+        let column_places: Vec<_> = columns.clone().map(|column| place(column, period.x)).collect();
+        let noise_on_row = |y: i32| -> Vec<f32> {
             let lattice: Vec<f32> = (0..period.x * scale).map(|x| unit(IVec2::new(x, y), seed)).collect();
             let between = |&((left, right), weight): &((i32, i32), f32)| {
                 let (left, right) = (lattice[left as usize], lattice[right as usize]);
                 left + (right - left) * weight
             };
-            across.iter().map(between).collect()
+            column_places.iter().map(between).collect()
         };
-        // A lattice row, and the noise along it and along the next row.
-        let (mut kept_row, mut lower_noise, mut upper_noise) = (-1, Vec::new(), Vec::new());
+        // The lattice row whose noise is known, with the noise on it and on the next row.
+        let (mut known_row, mut lower_noise, mut upper_noise) = (-1, Vec::new(), Vec::new());
         for (row_sums, row) in sums.chunks_exact_mut(columns.len()).zip(rows.clone()) {
             let ((lower, upper), share) = place(row, period.y);
-            if kept_row != lower {
-                (kept_row, lower_noise, upper_noise) = (lower, along(lower), along(upper));
+            if known_row != lower {
+                (known_row, lower_noise, upper_noise) = (lower, noise_on_row(lower), noise_on_row(upper));
             }
             for ((sum, lower), upper) in row_sums.iter_mut().zip(&lower_noise).zip(&upper_noise) {
                 *sum += weight * (lower + (upper - lower) * share);
@@ -194,9 +194,10 @@ fn cell_among(position: Vec2, size: Vec2, period: IVec2, offset: impl Fn(IVec2) 
         let apart = [x - nearest.x, y - nearest.y];
         let squared = apart[0] * apart[0] + apart[1] * apart[1];
         let inverse = 1.0 / squared.sqrt();
-        let [from_x, from_y] = [0.5 * (x + nearest.x) - position.x, 0.5 * (y + nearest.y) - position.y];
-        let along = from_x * (apart[0] * inverse) + from_y * (apart[1] * inverse);
-        *border = if squared > 1e-8 { along } else { f32::INFINITY };
+        let [to_x, to_y] = [0.5 * (x + nearest.x) - position.x, 0.5 * (y + nearest.y) - position.y];
+        let distance = to_x * (apart[0] * inverse) + to_y * (apart[1] * inverse);
+        let is_other_site = squared > 1e-8;
+        *border = if is_other_site { distance } else { f32::INFINITY };
     }
     let border = borders.into_iter().fold(f32::INFINITY, f32::min);
     VoronoiCell { id, border: border.max(0.0) }

@@ -9,9 +9,9 @@ pub enum OracleVersion {
     /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
     V1,
-    /// Version 1 with the condition that the ray comes to a block, which is the range of depth that a pixel fills, from
-    /// in front. The ray passes its first block if it leaves the surface of that block. The ray misses if it reaches a
-    /// block from behind, or if it passes behind the edge of a surface.
+    /// A ray hits a block, which is the range of depth that a pixel fills, only if it comes to the block from in front. The ray passes
+    /// its first block if it leaves the surface of that block. The ray misses if it reaches a block from behind, or passes behind the
+    /// edge of a surface.
     V2,
 }
 

@@ -61,6 +61,6 @@ fn a_value_outside_the_domain_is_refused_in_a_sentence() {
 #[test]
 fn only_what_is_changed_is_given() {
     let values = Values::default().with(|p: &mut Outer| p.inner.how_many = 3);
-    assert_eq!(values.given().collect::<Vec<_>>(), ["how_many"]);
-    assert_eq!(Values { preset: Preset::Author, ..values }.with(|_: &mut Outer| ()).given().count(), 1);
+    assert_eq!(values.given_names().collect::<Vec<_>>(), ["how_many"]);
+    assert_eq!(Values { preset: Preset::Author, ..values }.with(|_: &mut Outer| ()).given_names().count(), 1);
 }

@@ -87,20 +87,17 @@ mod tests {
     use super::*;
     use crate::scene::Lens;
 
+    /// A G-buffer that has colours alone.
+    fn with_colors([width, height]: [u32; 2], color: Vec<Vec3>) -> GBufferData {
+        let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), width as f32 / height as f32);
+        let (depth, normal, reflectivity, roughness, surface) = Default::default();
+        GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface }
+    }
+
     #[test]
     fn colours_beyond_half_floats_are_clamped_and_counted() {
         let color = vec![Vec3::splat(65504.0), Vec3::new(70_000.0, 1.0, 0.5), Vec3::ZERO, Vec3::splat(1e30)];
-        let mut data = GBufferData {
-            width: 2,
-            height: 2,
-            camera: Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 1.0),
-            depth: vec![],
-            normal: vec![],
-            reflectivity: vec![],
-            roughness: vec![],
-            color,
-            surface: vec![],
-        };
+        let mut data = with_colors([2, 2], color);
         assert_eq!(data.clamp_colours(), 2);
         let most = Vec3::splat(65504.0);
         assert_eq!(data.color, [most, Vec3::new(65504.0, 1.0, 0.5), Vec3::ZERO, most]);
@@ -109,18 +106,7 @@ mod tests {
 
     #[test]
     fn project_and_unproject_are_inverse() {
-        let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 1.5);
-        let empty = GBufferData {
-            width: 30,
-            height: 20,
-            camera,
-            depth: vec![],
-            normal: vec![],
-            reflectivity: vec![],
-            roughness: vec![],
-            color: vec![],
-            surface: vec![],
-        };
+        let empty = with_colors([30, 20], Vec::new());
         let m = empty.view_to_clip();
         let p = DVec3::new(-0.7, 0.4, 3.0);
         let s = empty.project(p, &m).expect("in front");

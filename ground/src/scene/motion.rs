@@ -22,7 +22,7 @@ pub struct Mover {
     pub root: DMat4,
     /// The nodes of the chain, from the root to the meshes.
     pub nodes: Vec<MovingNode>,
-    /// The matrix from the meshes' own space to the world, for the meshes where they stand in the scene.
+    /// The matrix from the meshes' own space to the world before any motion begins.
     pub rest: DMat4,
 }
 
@@ -58,11 +58,11 @@ pub enum Rest {
 /// How values between two key frames are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Stays as in the key frame before.
+    /// The value of the key frame before.
     Step,
-    /// Changes evenly; turns go the shorter way.
+    /// A value that changes evenly; turns go the shorter way.
     Linear,
-    /// Follows a cubic spline. Each key frame has three values: the slope before it, the value itself, and the slope after it.
+    /// A cubic spline. Each key frame has three values: the slope before it, the value itself, and the slope after it.
     Cubic,
 }
 
@@ -71,7 +71,7 @@ pub enum Interpolation {
 pub struct Keys<const N: usize> {
     times_s: Vec<f32>,
     values: Vec<[f32; N]>,
-    between: Interpolation,
+    interpolation: Interpolation,
 }
 
 impl<const N: usize> Keys<N> {
@@ -80,8 +80,8 @@ impl<const N: usize> Keys<N> {
     /// # Errors
     /// A clause that says what is wrong: no times, times that do not increase, numbers that are not finite, or another number of
     /// values than the key frames need.
-    pub fn new(times_s: Vec<f32>, values: Vec<[f32; N]>, between: Interpolation) -> Result<Self, &'static str> {
-        let values_per_key = if between == Interpolation::Cubic { 3 } else { 1 };
+    pub fn new(times_s: Vec<f32>, values: Vec<[f32; N]>, interpolation: Interpolation) -> Result<Self, &'static str> {
+        let values_per_key = if interpolation == Interpolation::Cubic { 3 } else { 1 };
         let numbers = || times_s.iter().chain(values.iter().flatten());
         if times_s.is_empty() || times_s.len().checked_mul(values_per_key) != Some(values.len()) {
             return Err("does not have as many values as its key frames need");
@@ -92,23 +92,23 @@ impl<const N: usize> Keys<N> {
         if times_s.windows(2).any(|pair| pair[1] <= pair[0]) {
             return Err("has times that do not increase");
         }
-        Ok(Self { times_s, values, between })
+        Ok(Self { times_s, values, interpolation })
     }
 
     /// Returns the times of the first and of the last key frame, in seconds.
-    fn ends(&self) -> [f32; 2] {
+    fn end_times_s(&self) -> [f32; 2] {
         [self.times_s[0], self.times_s[self.times_s.len() - 1]]
     }
 
     /// The value at a time. Before the first key frame it is the first value, and after the last key frame the last value.
     fn value_at(&self, time_s: f32) -> [f64; N] {
-        let cubic = self.between == Interpolation::Cubic;
+        let cubic = self.interpolation == Interpolation::Cubic;
         // Parts of a cubic key frame: 0 is the slope before it, 1 the value, and 2 the slope after it.
         let value = |key: usize, part: usize| self.values[if cubic { 3 * key + part } else { key }].map(f64::from);
         let last = self.times_s.len() - 1;
         let passed_keys = self.times_s.partition_point(|t| *t <= time_s);
         let Some(first) = passed_keys.checked_sub(1) else { return value(0, 1) };
-        if first == last || self.between == Interpolation::Step {
+        if first == last || self.interpolation == Interpolation::Step {
             return value(first, 1);
         }
         let [begin, end] = [first, first + 1].map(|key| f64::from(self.times_s[key]));
@@ -149,10 +149,10 @@ impl MovingNode {
     }
 
     /// The times of the first and of the last key frame of each part that changes, in seconds.
-    fn ends(&self) -> impl Iterator<Item = f32> {
+    fn end_times_s(&self) -> impl Iterator<Item = f32> {
         let Changes { offset, turn, size } = &self.changes;
-        let [offset, size] = [offset, size].map(|part| part.as_ref().map(|keys| keys.ends()));
-        let turn = turn.as_ref().map(|keys| keys.ends());
+        let [offset, size] = [offset, size].map(|part| part.as_ref().map(|keys| keys.end_times_s()));
+        let turn = turn.as_ref().map(|keys| keys.end_times_s());
         [offset, size, turn].into_iter().flatten().flatten()
     }
 
@@ -184,8 +184,8 @@ impl Rest {
 impl Mover {
     /// Whether the meshes have a placement at each of 17 times, evenly spaced from the first key frame to the last.
     pub fn is_placed(&self) -> bool {
-        let ends = self.nodes.iter().flat_map(MovingNode::ends);
-        let (first, last) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), time| (a.min(time), b.max(time)));
+        let times = self.nodes.iter().flat_map(MovingNode::end_times_s);
+        let (first, last) = times.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), time| (a.min(time), b.max(time)));
         let steps = 16;
         (0..=steps).all(|n| self.placement_at(first + (last - first) * (n as f32 / steps as f32)).is_some())
     }
@@ -252,8 +252,8 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn keys<const N: usize>(times: &[f32], values: &[[f32; N]], between: Interpolation) -> Keys<N> {
-        Keys::new(times.to_vec(), values.to_vec(), between).expect("key frames")
+    fn keys<const N: usize>(times: &[f32], values: &[[f32; N]], interpolation: Interpolation) -> Keys<N> {
+        Keys::new(times.to_vec(), values.to_vec(), interpolation).expect("key frames")
     }
 
     #[test]
@@ -278,8 +278,9 @@ mod tests {
 
     #[test]
     fn key_frames_that_are_none_are_refused() {
-        let one =
-            |times: &[f32], count: usize, between| Keys::new(times.to_vec(), vec![[1.0; 3]; count], between).err();
+        let one = |times: &[f32], count: usize, interpolation| {
+            Keys::new(times.to_vec(), vec![[1.0; 3]; count], interpolation).err()
+        };
         assert_eq!(one(&[0.0, 1.0], 2, Interpolation::Linear), None);
         assert!(one(&[0.0, 1.0], 2, Interpolation::Cubic).is_some_and(|why| why.contains("as many values")));
         assert!(one(&[], 0, Interpolation::Step).is_some());

@@ -41,11 +41,11 @@ impl CameraPath {
     /// distance that its eye and the point it looks at travel.
     ///
     /// # Errors
-    /// [`Error::Usage`] if there are fewer than two key frames, if one is not finite, looks at its own eye or
-    /// repeats the previous one, if only some have a time, or if the times do not increase.
+    /// [`Error::Usage`] for fewer than two key frames, and for one that is not finite, looks at its own eye or repeats
+    /// the one before. [`Error::Usage`] also if only some have a time, or if times do not increase.
     pub fn new(name: impl Into<String>, keys: Vec<KeyFrame>) -> Result<Self> {
         let name = name.into();
-        Self::joined(&name, keys).map_err(|(index, what)| {
+        Self::through_keys(&name, keys).map_err(|(index, what)| {
             let place = index.map_or_else(String::new, |i| format!("key frame {}: ", i + 1));
             Error::Usage(format!("path {name}: {place}{what}"))
         })
@@ -55,7 +55,7 @@ impl CameraPath {
     ///
     /// # Errors
     /// Errors of [`Self::new`].
-    pub fn joined(name: &str, keys: Vec<KeyFrame>) -> std::result::Result<Self, KeyFault> {
+    pub fn through_keys(name: &str, keys: Vec<KeyFrame>) -> std::result::Result<Self, KeyFault> {
         if keys.len() < 2 {
             return Err((None, format!("a path needs at least two key frames, not {}", keys.len())));
         }
@@ -140,7 +140,7 @@ impl CameraPath {
         let time = first + share.clamp(0.0, 1.0) * (last - first);
         let n = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
         let share_of_segment = share_of(time, self.times[n], self.times[n + 1]);
-        let points = self.around(n);
+        let points = self.points_around(n);
         let knots = knots(&points);
         let t = knots[1] + share_of_segment * (knots[2] - knots[1]);
         (spline(points.map(|(eye, _)| eye), knots, t), spline(points.map(|(_, look_at)| look_at), knots, t))
@@ -148,9 +148,11 @@ impl CameraPath {
 
     /// Returns eye and look-at point of the key frames at both ends of segment n, and of one before and one after
     /// these. At an end of the path, where there is none, the other end of the segment is mirrored.
-    fn around(&self, n: usize) -> [(Vec3, Vec3); 4] {
+    fn points_around(&self, n: usize) -> [(Vec3, Vec3); 4] {
         let key = |n: usize| (self.keys[n].eye, self.keys[n].look_at);
-        let mirrored = |centre: (Vec3, Vec3), point: (Vec3, Vec3)| (2.0 * centre.0 - point.0, 2.0 * centre.1 - point.1);
+        let mirrored = |(centre_eye, centre_look_at): (Vec3, Vec3), (eye, look_at): (Vec3, Vec3)| {
+            (2.0 * centre_eye - eye, 2.0 * centre_look_at - look_at)
+        };
         let (from, to) = (key(n), key(n + 1));
         let before = n.checked_sub(1).map_or_else(|| mirrored(from, to), key);
         let after = if n + 2 < self.keys.len() { key(n + 2) } else { mirrored(to, from) };

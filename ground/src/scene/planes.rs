@@ -80,9 +80,9 @@ fn rounded(normal: DVec3, offset: f64) -> [i64; 4] {
 /// Whether the first triangle of `group` lies in the plane of `known` and faces the same way.
 fn is_same_plane(known: &CoplanarGroup, group: &CoplanarGroup) -> bool {
     let normal = known.plane.truncate();
-    let near = |p: &Vec3| (normal.dot(*p) + known.plane.w).abs() <= 2.0 * TOLERANCE_M;
-    let alike = normal.distance(group.plane.truncate()) <= 2.0 * NORMAL_TOLERANCE as f32;
-    alike && group.triangles.first().is_some_and(|t| t.iter().all(near))
+    let is_near = |p: &Vec3| (normal.dot(*p) + known.plane.w).abs() <= 2.0 * TOLERANCE_M;
+    let faces_the_same_way = normal.distance(group.plane.truncate()) <= 2.0 * NORMAL_TOLERANCE as f32;
+    faces_the_same_way && group.triangles.first().is_some_and(|t| t.iter().all(is_near))
 }
 
 /// Sorts by area. Ties are ordered by material and plane, so that the order does not depend on that of a hash map.

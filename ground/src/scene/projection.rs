@@ -134,7 +134,7 @@ impl ReadProjection {
                 );
             }
         };
-        // A shift of the image stands in the column that makes w: the third in a perspective, else the fourth.
+        // The column that makes w has the shift of the image: the third in a perspective, else the fourth.
         let (shifts, unshifted) = if kind.is_orthographic() { (w, z) } else { (z, w) };
         let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && unshifted.x == 0.0 && unshifted.y == 0.0;
         if !is_plain || x.x == 0.0 || y.y == 0.0 {

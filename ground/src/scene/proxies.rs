@@ -107,7 +107,6 @@ impl Probe {
         self.bounds = Aabb { min: self.bounds.min * factor, max: self.bounds.max * factor };
     }
 
-    /// Moves the probe.
     pub(super) fn translate(&mut self, offset: Vec3) {
         self.position += offset;
         self.bounds = Aabb { min: self.bounds.min + offset, max: self.bounds.max + offset };
@@ -155,7 +154,6 @@ impl AreaShape {
         }
     }
 
-    /// Moves the shape.
     pub(super) fn translate(&mut self, offset: Vec3) {
         match self {
             Self::Sphere { centre, .. } | Self::Rectangle { centre, .. } | Self::Cuboid { centre, .. } => {

@@ -22,7 +22,7 @@ use glam::{DVec3, Vec2, Vec3};
 pub type Words = [u32; 4];
 
 /// Number of vectors of four words in a node.
-pub const NODE_WORDS: usize = 5;
+pub const NODE_VECTORS: usize = 5;
 
 /// The most triangles of a scene: numbers of triangles leave the highest bit free, and the greatest means no triangle.
 pub const MAX_TRIANGLES: usize = (ASKS_MATERIAL - 1) as usize;
@@ -33,8 +33,8 @@ pub struct Tree {
     /// The place in the world, in metres, from which all coordinates are measured: the middle of the scene, so that a scene far
     /// from the origin loses no precision.
     pub origin: DVec3,
-    /// [`NODE_WORDS`] vectors for each node, in the layout of [`obvhs`](https://docs.rs/obvhs)'s `CwBvhNode`; the first node is the
-    /// root. Empty if no triangle has an area.
+    /// [`NODE_VECTORS`] vectors for each node, in the layout of [`obvhs`](https://docs.rs/obvhs)'s `CwBvhNode`. The
+    /// first node is the root. Empty if no triangle has an area.
     pub nodes: Vec<Words>,
     /// The number of the triangle in each slot that nodes refer to: triangles are counted over all meshes in their order.
     pub slots: Vec<u32>,
@@ -54,9 +54,9 @@ impl Tree {
     }
 }
 
-/// Returns the most levels that a tree over so many triangles may have, for which walks have room: six more than a full
-/// tree with eight children a node, as the trees of the built-in scenes and of Sponza need. A tree that would have more
-/// is built by halving lists of its triangles. It has fewer levels, but a ray's walk takes up to twice as long.
+/// Returns the most levels that a tree over so many triangles may have, for which walks have room. They are six more
+/// than in a full tree with eight children a node, which suffices for the built-in scenes and Sponza. A tree that would
+/// have more is built by halving lists of its triangles: it has fewer levels, but a ray's walk takes up to twice as long.
 pub fn most_levels(triangles: usize) -> u32 {
     let binary = triangles.max(1).next_power_of_two().ilog2();
     (binary.div_ceil(3) + 6).min(TREE_DEPTH as u32)
@@ -69,7 +69,8 @@ pub struct TriangleRecords {
     /// is the triangle's number, with [`ASKS_MATERIAL`] if the material has an alpha mask or is single-sided. The last word of the
     /// second is twice its area.
     pub corners: Vec<Words>,
-    /// Four vectors for each triangle, by its number, from which a hit's colour is made (`shaders-glsl/triangles/scene.glsl`).
+    /// Four vectors for each triangle, by its number, from which a hit's colour is made (`shaders-glsl/triangles/scene.glsl`). The
+    /// last word of the third is the triangle's slot, or [`NO_TRIANGLE`].
     pub attributes: Vec<Words>,
 }
 
@@ -77,17 +78,17 @@ impl TriangleRecords {
     /// The records of a scene's triangles.
     pub fn new(scene: &Scene, tree: &Tree) -> Self {
         let mut attributes = Vec::with_capacity(4 * scene.triangle_count());
-        let mut corners_of = Vec::with_capacity(scene.triangle_count());
+        let mut corners_and_flags = Vec::with_capacity(scene.triangle_count());
         for (mesh, triangle) in triangles(scene) {
             let vertices = triangle.map(|i| &mesh.vertices[i as usize]);
             attributes.extend(attributes_of(mesh, vertices));
             let material = &scene.materials[mesh.material];
             let flag = if may_reject_hit(material) { ASKS_MATERIAL } else { 0 };
-            corners_of.push((vertices.map(|v| from_origin(v, tree.origin)), flag));
+            corners_and_flags.push((vertices.map(|v| from_origin(v, tree.origin)), flag));
         }
         let mut corners = Vec::with_capacity(3 * tree.slots.len());
         for (slot, &triangle) in tree.slots.iter().enumerate() {
-            let ([a, b, c], flag) = corners_of[triangle as usize];
+            let ([a, b, c], flag) = corners_and_flags[triangle as usize];
             let area = doubled_area([a, b, c].map(Vec3::as_dvec3));
             corners.push(words(a, triangle | flag));
             corners.push(words(b, (area as f32).to_bits()));
@@ -127,11 +128,11 @@ pub trait BuildTrees {
 }
 
 impl Tree {
-    /// Returns the nodes with raised indices, for a place behind `nodes` other nodes and `slots` other slots.
-    pub fn nodes_behind(&self, nodes: u32, slots: u32) -> Vec<Words> {
+    /// Returns the nodes with raised indices, for a buffer in which `nodes` other nodes and `slots` other slots come first.
+    pub fn nodes_after(&self, nodes: u32, slots: u32) -> Vec<Words> {
         let mut raised = self.nodes.clone();
         // The second vector of a node begins with the indices of its first child and of its first slot.
-        for vector in raised.iter_mut().skip(1).step_by(NODE_WORDS) {
+        for vector in raised.iter_mut().skip(1).step_by(NODE_VECTORS) {
             vector[0] = vector[0].wrapping_add(nodes);
             vector[1] = vector[1].wrapping_add(slots);
         }
@@ -140,12 +141,11 @@ impl Tree {
 }
 
 impl MovingTriangles {
-    /// Returns the attributes of the moving triangles for a buffer in which the corners of `slots` other slots come
-    /// first. They come in runs of triangles with consecutive numbers: the first number of each run, and its vectors.
-    pub fn attributes_behind(&self, slots: u32) -> Vec<(u32, Vec<Words>)> {
+    /// Returns the attributes of the moving triangles for a buffer in which the corners of `slots` other slots come first.
+    /// Triangles with consecutive numbers are one run: the run's first number, and its vectors.
+    pub fn attributes_after(&self, slots: u32) -> Vec<(u32, Vec<Words>)> {
         let mut runs: Vec<(u32, Vec<Words>)> = Vec::new();
         for (number, attributes) in self.numbers.iter().zip(self.records.attributes.as_chunks::<4>().0) {
-            // The last word of a triangle's third vector is its slot, if it has one.
             let mut raised = *attributes;
             if raised[2][3] != NO_SLOT {
                 raised[2][3] += slots;
@@ -170,7 +170,7 @@ impl TriangleRecords {
     }
 
     /// Whether some material has an alpha mask or is single-sided, so that a hit on its triangles may not count.
-    pub fn asks(&self) -> bool {
+    pub fn may_reject_hits(&self) -> bool {
         self.corners.iter().step_by(3).any(|[.., number]| number & ASKS_MATERIAL != 0)
     }
 
@@ -224,7 +224,6 @@ fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
     ]
 }
 
-/// Twice the area of a triangle.
 fn doubled_area([a, b, c]: [DVec3; 3]) -> f64 {
     (b - a).cross(c - a).length()
 }

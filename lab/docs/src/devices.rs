@@ -1,7 +1,7 @@
 //! Writes the line under a table that says on which kind of device it was measured, and which numbers hold for other
 //! devices.
 
-use crate::records::run;
+use crate::records::run_name;
 use std::path::{Path, PathBuf};
 
 /// The endings of the names of run folders, each with its kind of device.
@@ -16,8 +16,8 @@ const KINDS: [(&str, &str); 4] = [
 const TIMES: [&str; 2] = ["time", "ms"];
 
 /// Returns the kind of device on which a folder's records were measured, by the ending of the run folder's name.
-pub(crate) fn kind(folder: &Path) -> Result<&'static str, String> {
-    let name = run(folder).unwrap_or_default();
+pub(crate) fn device_kind(folder: &Path) -> Result<&'static str, String> {
+    let name = run_name(folder).unwrap_or_default();
     let found = KINDS.iter().find(|(end, _)| name.ends_with(end)).map(|(_, kind)| *kind);
     found.ok_or_else(|| format!("{}: which device is it of?", folder.display()))
 }
@@ -30,10 +30,15 @@ fn is_time(header: &str) -> bool {
 /// Returns the line under a table that was made from the records of some folders: the devices, and the numbers that
 /// carry over to others. `table` has the headers as its first line. `has_times` is true if all columns are times,
 /// whatever their headers say. A `note` replaces the line; its `$devices` stands for the devices.
-pub(crate) fn line(folders: &[PathBuf], table: &str, has_times: bool, note: Option<&str>) -> Result<String, String> {
+pub(crate) fn device_note(
+    folders: &[PathBuf],
+    table: &str,
+    has_times: bool,
+    note: Option<&str>,
+) -> Result<String, String> {
     let mut kinds = Vec::new();
     for folder in folders {
-        let kind = kind(folder)?;
+        let kind = device_kind(folder)?;
         if !kinds.contains(&kind) {
             kinds.push(kind);
         }
@@ -46,10 +51,11 @@ pub(crate) fn line(folders: &[PathBuf], table: &str, has_times: bool, note: Opti
     let head: Vec<&str> = table.lines().next().unwrap_or_default().split('|').map(str::trim).collect();
     let figures = head.iter().skip(2).filter(|cell| !cell.is_empty());
     let (times, others): (Vec<&str>, Vec<&str>) = figures.copied().partition(|cell| is_time(cell));
-    let what = match (times.is_empty() && !has_times, others.is_empty() || has_times) {
-        (false, true) => "Times and their quotients hold for that kind of device alone.",
-        (false, false) => "Hits, errors and counts carry over to other devices; times and their quotients do not.",
-        (true, _) => "Hits, errors and counts carry over to other devices.",
+    let (shows_times, shows_others) = (has_times || !times.is_empty(), !has_times && !others.is_empty());
+    let scope = match (shows_times, shows_others) {
+        (true, false) => "Times and their quotients hold for that kind of device alone.",
+        (true, true) => "Hits, errors and counts carry over to other devices; times and their quotients do not.",
+        (false, _) => "Hits, errors and counts carry over to other devices.",
     };
-    Ok(format!("*Measured on {devices}. {what}*"))
+    Ok(format!("*Measured on {devices}. {scope}*"))
 }

@@ -69,8 +69,8 @@ fn is_same(a: &str, b: &str) -> bool {
 /// Returns whether a condition holds for a row. The value `*` fits any field, and `~` a field that is missing or empty.
 fn holds(row: &Row, condition: &Condition) -> bool {
     let found = row.get(&condition.field).map(String::as_str).filter(|value| !value.is_empty());
-    // Whether the row's value fits one of the condition's values.
-    let any = |fits: &dyn Fn(&str, &str) -> bool| {
+    // True if the row's value fits one of the condition's values.
+    let fits_any = |fits: &dyn Fn(&str, &str) -> bool| {
         condition.values.iter().any(|value| match (&**value, found) {
             ("*", _) | ("~", None) => true,
             (value, Some(found)) => fits(found, value),
@@ -78,16 +78,16 @@ fn holds(row: &Row, condition: &Condition) -> bool {
         })
     };
     match condition.comparison {
-        "=" => any(&is_same),
-        "!=" => !any(&is_same),
-        "^=" => any(&|found, value| found.starts_with(value)),
-        "*=" => any(&|found, value| found.contains(value)),
-        _ => !any(&|found, value| found.contains(value)),
+        "=" => fits_any(&is_same),
+        "!=" => !fits_any(&is_same),
+        "^=" => fits_any(&|found, value| found.starts_with(value)),
+        "*=" => fits_any(&|found, value| found.contains(value)),
+        _ => !fits_any(&|found, value| found.contains(value)),
     }
 }
 
 /// Returns the key of a row: the values of the fields `by`, with numbers in one form and texts in lower case.
-fn key(row: &Row, by: &[String]) -> Vec<String> {
+fn row_key(row: &Row, by: &[String]) -> Vec<String> {
     let value = |field: &String| {
         let value = row.get(field).map_or("", String::as_str);
         value.parse::<f64>().map_or_else(|_| value.to_lowercase(), |number| number.to_string())
@@ -109,8 +109,8 @@ pub(crate) fn distinct(rows: &Rows, fields: &[String]) -> Vec<Vec<String>> {
 
 impl Context<'_> {
     /// Returns the rows of a choice: of its files, or of `rows` if it names none. The value `@first` in a condition
-    /// stands for the value that the first row has.
-    pub(crate) fn chosen(&self, choice: &Choice, rows: &Rows) -> Result<Rows> {
+    /// stands for the value that the first row has, or for a missing value (`~`) if the row has none.
+    pub(crate) fn choose(&self, choice: &Choice, rows: &Rows) -> Result<Rows> {
         let rows =
             choice.files.as_ref().map_or_else(|| Ok(rows.clone()), |files| self.library.select(self.folders, files))?;
         let mut conditions = choice.conditions.clone();
@@ -123,7 +123,7 @@ impl Context<'_> {
     }
 
     /// Returns the value of an expression over some rows.
-    pub(crate) fn value(&self, expression: &Expression, rows: &Rows) -> Result<Value> {
+    pub(crate) fn evaluate(&self, expression: &Expression, rows: &Rows) -> Result<Value> {
         match expression {
             Expression::Number(number) => Ok(Value::Number(*number)),
             Expression::Text(text) => Ok(Value::Text(text.clone())),
@@ -133,9 +133,9 @@ impl Context<'_> {
                 let items = rows.iter().map(|row| (row.clone(), f64::from(u8::from(truth(row))))).collect();
                 Ok(Value::Numbers(Numbers { by: self.by.clone(), items }))
             }
-            Expression::In(choice, inner) => self.value(inner, &self.chosen(choice, rows)?),
-            Expression::Both(operator, sides) => {
-                self.both(*operator, self.value(&sides[0], rows)?, self.value(&sides[1], rows)?)
+            Expression::OverRows(choice, inner) => self.evaluate(inner, &self.choose(choice, rows)?),
+            Expression::Binary(operator, sides) => {
+                self.combine(*operator, self.evaluate(&sides[0], rows)?, self.evaluate(&sides[1], rows)?)
             }
             Expression::Call { function, by, arguments } => self.call(function, by, arguments, rows),
         }
@@ -158,7 +158,7 @@ impl Context<'_> {
 
     /// Returns the value of an operator between two values. A comparison is 1 if it is true, and else 0. A number is
     /// combined with each of several numbers; several numbers on both sides are matched by their rows.
-    fn both(&self, operator: char, left: Value, right: Value) -> Result<Value> {
+    fn combine(&self, operator: char, left: Value, right: Value) -> Result<Value> {
         let truth = |is_true: bool| f64::from(u8::from(is_true));
         let apply = |a: f64, b: f64| match operator {
             '+' => a + b,
@@ -181,7 +181,7 @@ impl Context<'_> {
                 Value::Numbers(b)
             }
             // The quotient ~ leaves out rows that have no partner.
-            (Value::Numbers(a), Value::Numbers(b)) => Value::Numbers(matched(a, &b, apply, operator == '~')?),
+            (Value::Numbers(a), Value::Numbers(b)) => Value::Numbers(match_rows(a, &b, apply, operator == '~')?),
             _ => return Err(format!("{operator} between texts").into()),
         })
     }
@@ -192,7 +192,7 @@ impl Context<'_> {
         // An argument, its value, and its value as a number, by its index.
         let argument =
             |n: usize| arguments.get(n).ok_or_else(|| Failure::from(format!("{function} lacks an argument")));
-        let value = |n: usize| self.value(argument(n)?, rows);
+        let value = |n: usize| self.evaluate(argument(n)?, rows);
         let number = |n: usize| value(n)?.number();
         match function {
             "if" => return if number(0)? != 0.0 { value(1) } else { value(2) },
@@ -210,27 +210,27 @@ impl Context<'_> {
                 return found.cloned().map(Value::Text).ok_or_else(|| Failure::missing(format!("no {field}")));
             }
             "within" => {
-                let (one, low, high) = (number(0)?, number(1)?, number(2)?);
-                let fails = || Failure::from(format!("{one} is not within {low} and {high}"));
-                return (low..=high).contains(&one).then_some(Value::Number(one)).ok_or_else(fails);
+                let (checked, low, high) = (number(0)?, number(1)?, number(2)?);
+                let fails = || Failure::from(format!("{checked} is not within {low} and {high}"));
+                return (low..=high).contains(&checked).then_some(Value::Number(checked)).ok_or_else(fails);
             }
             "max" => return Ok(map(value(0)?, |a, b| a.max(b), number(1)?)),
             _ => {}
         }
-        if let Some(single) = single(function) {
-            return Ok(map(value(0)?, |a, _| single(a), 0.0));
+        if let Some(function) = number_function(function) {
+            return Ok(map(value(0)?, |a, _| function(a), 0.0));
         }
         let first = value(0)?;
         if let (Some(function), Value::Numbers(numbers)) = (function.strip_suffix("_by"), &first) {
-            return grouped(function, by, numbers).map(Value::Numbers);
+            return summarize_groups(function, by, numbers).map(Value::Numbers);
         }
         if let ("part", Value::Numbers(numbers)) = (function, &first) {
             let places = (1..arguments.len()).map(number).collect::<Result<Vec<_>>>()?;
             return part(numbers, &places).map(Value::Numbers);
         }
         let numbers = first.numbers()?;
-        if let Some(one) = summary(function, &numbers) {
-            return one.map(Value::Number);
+        if let Some(number) = summarize(function, &numbers) {
+            return number.map(Value::Number);
         }
         // All other functions write numbers; their second argument is the number of decimals.
         let decimals = arguments.get(1).map_or(Ok(2.0), |_| number(1))? as usize;
@@ -252,7 +252,7 @@ fn part(numbers: &Numbers, places: &[f64]) -> Result<Numbers> {
 }
 
 /// Returns the function of a single number that has the given name.
-fn single(function: &str) -> Option<fn(f64) -> f64> {
+fn number_function(function: &str) -> Option<fn(f64) -> f64> {
     Some(match function {
         "sqrt" => f64::sqrt,
         "ln" => f64::ln,
@@ -275,7 +275,7 @@ fn map(value: Value, function: impl Fn(f64, f64) -> f64, other: f64) -> Value {
 }
 
 /// Makes one number of several by the function of the given name; `None` if there is no such function.
-fn summary(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
+fn summarize(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
     let sum = || numbers.iter().sum::<f64>();
     // A result that needs at least one number.
     let some = |number: f64| if numbers.is_empty() { Err(Failure::missing("there is no number")) } else { Ok(number) };
@@ -294,37 +294,37 @@ fn summary(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
 
 /// Groups the numbers whose rows agree in the fields `by`, and makes one number of each group by the named function.
 /// Groups stand in the order of their first rows.
-fn grouped(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> {
+fn summarize_groups(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> {
     // By key: the index of the group's first row, and the group's numbers.
     let mut groups: BTreeMap<Vec<String>, (usize, Vec<f64>)> = BTreeMap::new();
     for (n, (row, number)) in numbers.items.iter().enumerate() {
-        groups.entry(key(row, by)).or_insert_with(|| (n, Vec::new())).1.push(*number);
+        groups.entry(row_key(row, by)).or_insert_with(|| (n, Vec::new())).1.push(*number);
     }
     let mut groups: Vec<_> = groups.into_values().collect();
     groups.sort_by_key(|(first, _)| *first);
-    let one = |(first, group): (usize, Vec<f64>)| {
-        let number = summary(function, &group).ok_or_else(|| format!("there is no function {function}_by"))??;
+    let summarize_group = |(first, group): (usize, Vec<f64>)| {
+        let number = summarize(function, &group).ok_or_else(|| format!("there is no function {function}_by"))??;
         Ok((numbers.items[first].0.clone(), number))
     };
-    Ok(Numbers { by: by.to_vec(), items: groups.into_iter().map(one).collect::<Result<_>>()? })
+    Ok(Numbers { by: by.to_vec(), items: groups.into_iter().map(summarize_group).collect::<Result<_>>()? })
 }
 
 /// Applies a function to the numbers of two sets, row by row. Rows with the same key belong together, in the order in
 /// which they stand; a single row on the right belongs to all rows of its key on the left. Rows on the left without a
 /// partner are left out if `is_lenient`, and otherwise an error. So are rows on the right without one, unless their key
 /// has fewer fields.
-fn matched(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_lenient: bool) -> Result<Numbers> {
+fn match_rows(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_lenient: bool) -> Result<Numbers> {
     let by: Vec<String> = left.by.iter().filter(|field| right.by.contains(field)).cloned().collect();
     // The numbers on the right by their key.
     let mut partners: HashMap<Vec<String>, Vec<f64>> = HashMap::new();
     for (row, number) in &right.items {
-        partners.entry(key(row, &by)).or_default().push(*number);
+        partners.entry(row_key(row, &by)).or_default().push(*number);
     }
     // For each key, the number of rows on the left so far.
     let mut seen: HashMap<Vec<String>, usize> = HashMap::new();
     let mut items = Vec::new();
     for (row, number) in &left.items {
-        let key = key(row, &by);
+        let key = row_key(row, &by);
         let place = seen.entry(key.clone()).or_default();
         let partner = partners
             .get(&key)
@@ -336,8 +336,8 @@ fn matched(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_l
             None => return Err(Failure::missing(format!("the record of {} has no other beside it", key.join(", ")))),
         }
     }
-    let are_all = by.len() < left.by.len() || left.items.len() >= right.items.len();
-    if !is_lenient && !are_all {
+    let all_have_partners = by.len() < left.by.len() || left.items.len() >= right.items.len();
+    if !is_lenient && !all_have_partners {
         return Err(format!("{} records beside {}", left.items.len(), right.items.len()).into());
     }
     Ok(Numbers { by: left.by, items })

@@ -48,9 +48,9 @@ pub(crate) enum Expression {
     /// 1 for each row for which all conditions hold, and 0 for the others.
     Holds(Vec<Condition>),
     /// An expression over the rows of a choice.
-    In(Choice, Box<Self>),
+    OverRows(Choice, Box<Self>),
     /// An operator with its left and its right side.
-    Both(char, Box<[Self; 2]>),
+    Binary(char, Box<[Self; 2]>),
     /// A call of a function. `by` has the fields of the groups, for functions that end with `_by`.
     Call {
         function: String,
@@ -60,7 +60,7 @@ pub(crate) enum Expression {
 }
 
 /// Returns a named expression and its name, from its head, such as `name(a, b)`, and its body.
-pub(crate) fn word(head: &str, body: &str) -> (String, Word) {
+pub(crate) fn read_word(head: &str, body: &str) -> (String, Word) {
     let (name, rest) = head.split_once('(').unwrap_or((head, ""));
     let names = rest.trim_end_matches(')').split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
     (name.to_owned(), Word { arguments: names.collect(), body: body.to_owned() })
@@ -68,13 +68,13 @@ pub(crate) fn word(head: &str, body: &str) -> (String, Word) {
 
 /// Returns a text in which each variable, written as `$name`, is replaced by its value. If several names fit, the
 /// longest one counts. Variables within a value are replaced, too. An unknown name is an error.
-pub(crate) fn fill(text: &str, variables: &BTreeMap<String, String>) -> Result<String> {
+pub(crate) fn fill_variables(text: &str, variables: &BTreeMap<String, String>) -> Result<String> {
     let mut parts = text.split('$');
     let mut filled = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let fitting = variables.iter().filter(|(name, _)| part.starts_with(&***name));
         let (name, value) = fitting.max_by_key(|(name, _)| name.len()).ok_or_else(|| format!("what is ${part:?}?"))?;
-        filled += &if value.contains('$') { fill(value, variables)? } else { value.clone() };
+        filled += &if value.contains('$') { fill_variables(value, variables)? } else { value.clone() };
         filled += &part[name.len()..];
     }
     Ok(filled)
@@ -82,13 +82,13 @@ pub(crate) fn fill(text: &str, variables: &BTreeMap<String, String>) -> Result<S
 
 /// Reads a choice from the text between its brackets: `file: field=value, other!=value`. The file may be left out with
 /// its colon, and so may the conditions.
-pub(crate) fn choice(text: &str) -> Result<Choice> {
+pub(crate) fn parse_choice(text: &str) -> Result<Choice> {
     let (files, conditions) = match text.split_once(':') {
         Some((files, rest)) if !files.contains('=') => (Some(files.trim().to_owned()), rest),
         _ => (None, text),
     };
     let mut choice = Choice { files, conditions: Vec::new() };
-    for part in split(conditions, ',').iter().map(|part| part.trim()).filter(|part| !part.is_empty()) {
+    for part in split_outside_brackets(conditions, ',').iter().map(|part| part.trim()).filter(|part| !part.is_empty()) {
         // The first comparison in the text; of two at one place, the longer one.
         let found =
             COMPARISONS.iter().filter_map(|c| Some((part.find(c)?, *c))).min_by_key(|(place, c)| (*place, 2 - c.len()));
@@ -104,29 +104,29 @@ pub(crate) fn choice(text: &str) -> Result<Choice> {
 }
 
 /// Splits a text at each separator that is outside of brackets and quotes.
-pub(crate) fn split(text: &str, separator: char) -> Vec<&str> {
-    let (mut depth, mut is_quoted, mut from, mut parts) = (0, false, 0, Vec::new());
+pub(crate) fn split_outside_brackets(text: &str, separator: char) -> Vec<&str> {
+    let (mut depth, mut is_quoted, mut start, mut parts) = (0, false, 0, Vec::new());
     for (place, c) in text.char_indices() {
         match c {
             '"' => is_quoted = !is_quoted,
             _ if is_quoted => {}
             c if c == separator && depth == 0 => {
-                parts.push(&text[from..place]);
-                from = place + c.len_utf8();
+                parts.push(&text[start..place]);
+                start = place + c.len_utf8();
             }
             '(' | '[' => depth += 1,
             ')' | ']' => depth -= 1,
             _ => {}
         }
     }
-    parts.push(&text[from..]);
+    parts.push(&text[start..]);
     parts
 }
 
 /// Parses a whole text as one expression.
 pub(crate) fn parse(text: &str, words: &Words) -> Result<Expression> {
     let mut parser = Parser { rest: text.trim(), words };
-    let expression = parser.compared()?;
+    let expression = parser.expression()?;
     if parser.rest.is_empty() { Ok(expression) } else { Err(format!("what is {:?} in {text:?}?", parser.rest).into()) }
 }
 
@@ -153,15 +153,15 @@ impl<'a> Parser<'a> {
     }
 
     /// Reads an expression: comparisons of sums of products of single operands.
-    fn compared(&mut self) -> Result<Expression> {
-        self.chain("<>=", |parser| parser.chain("+-", |parser| parser.chain("*/~", Self::single)))
+    fn expression(&mut self) -> Result<Expression> {
+        self.chain("<>=", |parser| parser.chain("+-", |parser| parser.chain("*/~", Self::operand)))
     }
 
     /// Reads operands by `next` and joins them from left to right, as long as one of `operators` follows.
     fn chain(&mut self, operators: &str, next: impl Fn(&mut Self) -> Result<Expression>) -> Result<Expression> {
         let mut left = next(self)?;
         while let Some(operator) = self.operator(operators) {
-            left = Expression::Both(operator, Box::new([left, next(self)?]));
+            left = Expression::Binary(operator, Box::new([left, next(self)?]));
         }
         Ok(left)
     }
@@ -170,7 +170,7 @@ impl<'a> Parser<'a> {
     fn bracketed(&mut self, end: char) -> Result<&'a str> {
         let inside = match end {
             '"' | '\'' => self.rest[1..].split(end).next().unwrap_or_default(),
-            _ => split(&self.rest[1..], end)[0],
+            _ => split_outside_brackets(&self.rest[1..], end)[0],
         };
         let closes = self.rest[1 + inside.len()..].starts_with(end);
         if !closes {
@@ -181,25 +181,25 @@ impl<'a> Parser<'a> {
 
     /// Reads a single operand: a choice with an operand, an expression in brackets, a text, a field, a number or a
     /// call.
-    fn single(&mut self) -> Result<Expression> {
-        let is_of_name = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
+    fn operand(&mut self) -> Result<Expression> {
+        let is_in_name = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
         match self.rest.chars().next() {
             Some('[') => {
-                let choice = choice(self.bracketed(']')?)?;
-                Ok(Expression::In(choice, Box::new(self.single()?)))
+                let choice = parse_choice(self.bracketed(']')?)?;
+                Ok(Expression::OverRows(choice, Box::new(self.operand()?)))
             }
             Some('(') => parse(self.bracketed(')')?, self.words),
             Some('"') => Ok(Expression::Text(self.bracketed('"')?.to_owned())),
             Some('\'') => Ok(Expression::Field(self.bracketed('\'')?.to_owned())),
             Some(c) if c.is_ascii_digit() || c == '-' => {
-                let length = self.rest[1..].find(|c: char| !is_of_name(c)).map_or(self.rest.len(), |n| n + 1);
+                let length = self.rest[1..].find(|c: char| !is_in_name(c)).map_or(self.rest.len(), |n| n + 1);
                 let number = self.take(length);
                 Ok(Expression::Number(number.parse().map_err(|_| format!("{number} is no number"))?))
             }
             Some(c) if c.is_alphabetic() => {
-                let name = self.take(self.rest.find(|c| !is_of_name(c)).unwrap_or(self.rest.len()));
+                let name = self.take(self.rest.find(|c| !is_in_name(c)).unwrap_or(self.rest.len()));
                 let arguments = if self.rest.starts_with('(') { Some(self.bracketed(')')?) } else { None };
-                self.called(name, arguments)
+                self.named(name, arguments)
             }
             _ => Err(format!("{:?} begins no expression", self.rest).into()),
         }
@@ -207,19 +207,20 @@ impl<'a> Parser<'a> {
 
     /// Returns the expression for a name and the text of its arguments: a named expression with its arguments replaced,
     /// a field if there are no brackets, or the call of a function.
-    fn called(&self, name: &str, arguments: Option<&str>) -> Result<Expression> {
-        let parts = arguments.filter(|list| !list.is_empty()).map_or(Vec::new(), |list| split(list, ','));
+    fn named(&self, name: &str, arguments: Option<&str>) -> Result<Expression> {
+        let parts =
+            arguments.filter(|list| !list.is_empty()).map_or(Vec::new(), |list| split_outside_brackets(list, ','));
         let texts: Vec<&str> = parts.into_iter().map(str::trim).collect();
         if let Some(word) = self.words.get(name) {
             if word.arguments.len() != texts.len() {
                 return Err(format!("{name} has {} arguments", word.arguments.len()).into());
             }
             let values = word.arguments.iter().cloned().zip(texts.iter().map(|text| (*text).to_owned())).collect();
-            return parse(&fill(&word.body, &values)?, self.words);
+            return parse(&fill_variables(&word.body, &values)?, self.words);
         }
         let Some(list) = arguments else { return Ok(Expression::Field(name.to_owned())) };
         if name == "holds" {
-            return Ok(Expression::Holds(choice(list)?.conditions));
+            return Ok(Expression::Holds(parse_choice(list)?.conditions));
         }
         // The first argument of a function that ends with `_by` is the fields of a key.
         let (by, texts) = match (name.ends_with("_by"), texts.split_first()) {

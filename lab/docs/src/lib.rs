@@ -66,8 +66,8 @@ use std::path::Path;
 pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
     let queries = queries::Queries::read(root)?;
     let (mut files, mut failures) = (Vec::new(), Vec::new());
-    for name in pages::quoting(root)? {
-        match pages::text(root, &name).and_then(|text| pages::shown(&queries, root, &name, &text)) {
+    for name in pages::quoting_pages(root)? {
+        match pages::read_page(root, &name).and_then(|text| pages::renew_quotations(&queries, root, &name, &text)) {
             Ok(text) => files.push((name, text)),
             Err(failure) => failures.push(failure),
         }
@@ -83,7 +83,7 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
             Err(failure) => failures.push(format!("{name}: {failure}")),
         }
     }
-    failures.extend(queries.all_asked().err());
+    failures.extend(queries.check_all_asked().err());
     if failures.is_empty() { Ok(files) } else { Err(failures.join("\n")) }
 }
 
@@ -91,7 +91,7 @@ pub fn files(root: &Path) -> Result<Vec<(String, String)>, String> {
 /// The message has the number of the line, and the line in both texts, from at most 60 characters before the difference
 /// on.
 pub fn difference(root: &Path, name: &str, should: &str) -> Option<String> {
-    let actual = pages::text(root, name).unwrap_or_default();
+    let actual = pages::read_page(root, name).unwrap_or_default();
     if actual == should {
         return None;
     }

@@ -6,7 +6,7 @@
 //! begins a step. The code below the comment follows these lines, up to the next mark, a blank line or the end of a
 //! function. Comments that begin with "Erratum" or "Departure" stand between print and code.
 
-use crate::pages::{shown, text};
+use crate::pages::{read_page, renew_quotations};
 use crate::queries::Queries;
 use std::fs;
 use std::ops::RangeInclusive;
@@ -75,7 +75,7 @@ struct Step {
 
 /// Reads a comment such as `8, 9-11: words`. Returns the printed lines at its beginning, and the words after them;
 /// `None` for any other comment.
-fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
+fn parse_mark(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
     let (lines, words) = comment.split_once(": ")?;
     let range = |part: &str| {
         let (first, last) = part.split_once('-').unwrap_or((part, part));
@@ -84,57 +84,87 @@ fn marked(comment: &str) -> Option<(Vec<RangeInclusive<u32>>, &str)> {
     Some((lines.split(", ").map(range).collect::<Option<_>>()?, words))
 }
 
-/// Reads the steps of a shader from the marks in its text. Returns each step with the name of the printed item it
+/// Reads the steps of a shader from the marks in its text. Returns each step with the name of the printed item that it
 /// belongs to.
-fn steps(shader: &str) -> Vec<(String, Step)> {
-    // The steps so far, the current item, and the step that is being read.
-    let (mut found, mut item, mut open): (Vec<(String, Step)>, Option<String>, Option<Step>) = (Vec::new(), None, None);
-    // The field to which a further line of the same comment is added: the printed words, or the differences.
-    let mut goes_on = "";
-    // Ends the step that is being read.
-    let end = |open: &mut Option<Step>, item: &Option<String>, found: &mut Vec<(String, Step)>| {
-        if let (Some(step), Some(item)) = (open.take(), item) {
-            found.push((item.clone(), step));
-        }
-    };
-    for line in shader.lines() {
+fn read_steps(shader: &str) -> Vec<(String, Step)> {
+    let mut reader = StepReader::default();
+    shader.lines().for_each(|line| reader.read_line(line));
+    reader.end_step();
+    reader.steps
+}
+
+/// Reads the steps of a shader line by line.
+#[derive(Default)]
+struct StepReader {
+    /// The steps that are read to their ends, each with the name of its printed item.
+    steps: Vec<(String, Step)>,
+    /// The printed item that the last mark named.
+    item: Option<String>,
+    /// The step that is being read.
+    open: Option<Step>,
+    /// The text of the step that the next line of the same comment continues.
+    continued: Continued,
+}
+
+/// A text of a step that goes on in the next line of a comment.
+#[derive(Default)]
+enum Continued {
+    #[default]
+    Nothing,
+    Print,
+    Differences,
+}
+
+impl StepReader {
+    /// Reads the next line of the shader.
+    fn read_line(&mut self, line: &str) {
         let comment = line.trim_start().strip_prefix("// ");
-        let mark = comment.filter(|_| item.is_some()).and_then(marked);
-        if let Some(printed) = comment.and_then(|c| c.strip_prefix("Print: ")) {
-            end(&mut open, &item, &mut found);
-            item = Some(printed.trim_end_matches('.').to_owned());
-        } else if let Some((lines, words)) = mark {
-            end(&mut open, &item, &mut found);
-            open = Some(Step { lines, print: words.to_owned(), ..Step::default() });
-            goes_on = "print";
-        } else if comment.is_some_and(|c| ["Departure", "Erratum", "Errata"].iter().any(|w| c.starts_with(w)))
-            && item.is_some()
-        {
-            let step = open.get_or_insert_default();
-            step.differs.push(comment.unwrap_or_default().to_owned());
-            goes_on = "differs";
-        } else if let (Some(words), Some(step), "print" | "differs") = (comment, &mut open, goes_on) {
-            let text = if goes_on == "print" { Some(&mut step.print) } else { step.differs.last_mut() };
-            if let Some(text) = text {
-                *text += &format!(" {words}");
-            }
+        let in_item = comment.filter(|_| self.item.is_some());
+        let is_difference = |c: &&str| ["Departure", "Erratum", "Errata"].iter().any(|word| c.starts_with(word));
+        if let Some(item) = comment.and_then(|c| c.strip_prefix("Print: ")) {
+            self.end_step();
+            self.item = Some(item.trim_end_matches('.').to_owned());
+        } else if let Some((lines, words)) = in_item.and_then(parse_mark) {
+            self.end_step();
+            self.open = Some(Step { lines, print: words.to_owned(), ..Step::default() });
+            self.continued = Continued::Print;
+        } else if let Some(difference) = in_item.filter(is_difference) {
+            self.open.get_or_insert_default().differs.push(difference.to_owned());
+            self.continued = Continued::Differences;
+        } else if let (Some(words), Some(text)) = (comment, self.continued_text()) {
+            *text += &format!(" {words}");
         } else if line.trim().is_empty() {
-            end(&mut open, &item, &mut found);
-            goes_on = "";
-        } else if let Some(step) = &mut open {
+            self.end_step();
+            self.continued = Continued::Nothing;
+        } else if let Some(step) = &mut self.open {
             step.code.push(line.to_owned());
-            goes_on = "";
+            self.continued = Continued::Nothing;
             if line == "}" {
-                end(&mut open, &item, &mut found);
+                self.end_step();
             }
         }
     }
-    end(&mut open, &item, &mut found);
-    found
+
+    /// The text that a further line of the same comment continues.
+    fn continued_text(&mut self) -> Option<&mut String> {
+        let step = self.open.as_mut()?;
+        match self.continued {
+            Continued::Nothing => None,
+            Continued::Print => Some(&mut step.print),
+            Continued::Differences => step.differs.last_mut(),
+        }
+    }
+
+    /// Ends the step that is being read, if there is one.
+    fn end_step(&mut self) {
+        if let (Some(step), Some(item)) = (self.open.take(), &self.item) {
+            self.steps.push((item.clone(), step));
+        }
+    }
 }
 
 /// Returns the shaders of a folder that have steps, in the order of their names.
-fn marks(root: &Path, folder: &str) -> Result<Vec<Shader>> {
+fn shaders_with_steps(root: &Path, folder: &str) -> Result<Vec<Shader>> {
     let folder = format!("shaders-glsl/{folder}");
     let entries = fs::read_dir(root.join(&folder)).map_err(|e| format!("{folder}: {e}"))?;
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
@@ -143,7 +173,7 @@ fn marks(root: &Path, folder: &str) -> Result<Vec<Shader>> {
     let mut shaders = Vec::new();
     for path in paths {
         let name = format!("{folder}/{}", path.file_name().unwrap_or_default().to_string_lossy());
-        let steps = steps(&text(root, &name)?);
+        let steps = read_steps(&read_page(root, &name)?);
         if !steps.is_empty() {
             shaders.push((name, steps));
         }
@@ -153,10 +183,9 @@ fn marks(root: &Path, folder: &str) -> Result<Vec<Shader>> {
 
 /// Returns the rows about a printed item from the page of the thesis's errata, with links that are right for a page in
 /// `docs/`.
-fn errata(page: &str, item: &str) -> Vec<String> {
+fn errata_rows(page: &str, item: &str) -> Vec<String> {
     let (section, name) = item.split_once(", ").unwrap_or((item, ""));
-    // Whether a row about this place is about the item.
-    let about = |place: &str| {
+    let is_about_item = |place: &str| {
         let mut parts = place.split(", ");
         let is_both = name.ends_with("listing") && place.ends_with("both listings");
         parts.next() == Some(section) && (is_both || parts.any(|part| part == name))
@@ -164,7 +193,7 @@ fn errata(page: &str, item: &str) -> Vec<String> {
     let link = |text: String| text.replace("](../../docs/", "](").replace("](../", "](../shaders-glsl/");
     let row = |line: &str| {
         let (place, rest) = line.strip_prefix("| ")?.split_once(" | ")?;
-        about(place).then(|| link(format!("| {}\n", without_comments(rest))))
+        is_about_item(place).then(|| link(format!("| {}\n", without_comments(rest))))
     };
     page.lines().filter_map(row).collect()
 }
@@ -173,14 +202,14 @@ fn errata(page: &str, item: &str) -> Vec<String> {
 fn without_comments(text: &str) -> String {
     let mut parts = text.split("<!-- ");
     let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |kept, part| kept + part.split_once("-->").map_or("", |(_, after)| after))
+    parts.fold(first, |text, part| text + part.split_once("-->").map_or("", |(_, after)| after))
 }
 
 /// The greatest number of columns of a comment line.
 const COLUMNS: usize = 140;
 
 /// Returns a text as lines of a GLSL comment, each with the indentation before it.
-fn comment(text: &str, indentation: &str) -> String {
+fn glsl_comment(text: &str, indentation: &str) -> String {
     let mut lines = vec![format!("{indentation}//")];
     for word in text.split(' ') {
         match lines.last_mut() {
@@ -193,7 +222,7 @@ fn comment(text: &str, indentation: &str) -> String {
 
 /// Returns the text of a step on the page: a comment with the printed lines and their words, a comment for each
 /// departure or erratum, and the code. The first `margin` bytes of each line of code are left out.
-fn written(step: &Step, margin: usize) -> String {
+fn step_text(step: &Step, margin: usize) -> String {
     let code: Vec<&str> = step.code.iter().map(|line| &line[margin..]).collect();
     let indentation: String = code.first().map_or("", |line| line).chars().take_while(|c| *c == ' ').collect();
     let range = |r: &RangeInclusive<u32>| match (r.start(), r.end()) {
@@ -205,7 +234,7 @@ fn written(step: &Step, margin: usize) -> String {
         true => "not printed".to_owned(),
         false => format!("[{}] {}", lines.join(", "), step.print),
     };
-    let comments = [&print].into_iter().chain(&step.differs).map(|text| comment(text, &indentation));
+    let comments = [&print].into_iter().chain(&step.differs).map(|text| glsl_comment(text, &indentation));
     comments.chain(code.iter().map(|line| format!("{line}\n"))).collect()
 }
 
@@ -214,10 +243,10 @@ fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
     let mut files: Vec<String> = Vec::new();
     let mut steps: Vec<&Step> = Vec::new();
     for (file, all_steps) in shaders {
-        let own: Vec<&Step> = all_steps.iter().filter(|(name, _)| name == item).map(|(_, step)| step).collect();
-        if !own.is_empty() {
+        let item_steps: Vec<&Step> = all_steps.iter().filter(|(name, _)| name == item).map(|(_, step)| step).collect();
+        if !item_steps.is_empty() {
             files.push(format!("`{file}`"));
-            steps.extend(own);
+            steps.extend(item_steps);
         }
     }
     let code = steps.iter().flat_map(|step| &step.code);
@@ -230,7 +259,7 @@ fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
         keyed.push((last, step));
     }
     keyed.sort_by_key(|(line, _)| *line);
-    let steps: String = keyed.iter().map(|(_, step)| written(step, margin)).collect();
+    let steps: String = keyed.iter().map(|(_, step)| step_text(step, margin)).collect();
     let mut text = format!("### {item}\n\nIn {}.\n\n```glsl\n{steps}```\n\n", files.join(", "));
     if !errata.is_empty() {
         text += &format!("| kind | printed | here | effect |\n|---|---|---|---|\n{}\n", errata.concat());
@@ -239,7 +268,7 @@ fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
 }
 
 /// Refuses marks that name no known printed item, and printed lines without a mark.
-fn check(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
+fn check_marks(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
     let all_steps: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
     if let Some((name, _)) = all_steps.iter().find(|(name, _)| !items.iter().any(|(item, _)| item == name)) {
         return Err(format!("shaders-glsl/{folder}: {name} is not known to be printed"));
@@ -272,11 +301,14 @@ pub(crate) fn page(queries: &Queries, root: &Path) -> Result<String> {
     let mut page = HEAD.to_owned();
     for (title, folder, items) in DOCUMENTS {
         let name = format!("shaders-glsl/{folder}/ERRATA.md");
-        let shaders = marks(root, folder)?;
-        check(folder, items, &shaders)?;
+        let shaders = shaders_with_steps(root, folder)?;
+        check_marks(folder, items, &shaders)?;
         page += &format!("## {title}\n\n");
-        let rows = if *folder == "thesis" { shown(queries, root, &name, &text(root, &name)?)? } else { String::new() };
-        page += &items.iter().map(|(item, _)| section(item, &shaders, &errata(&rows, item))).collect::<String>();
+        let errata = match *folder {
+            "thesis" => renew_quotations(queries, root, &name, &read_page(root, &name)?)?,
+            _ => String::new(),
+        };
+        page += &items.iter().map(|(item, _)| section(item, &shaders, &errata_rows(&errata, item))).collect::<String>();
     }
     Ok(format!("{}\n", page.trim_end()))
 }
@@ -289,13 +321,13 @@ mod tests {
     fn marks_are_read_as_they_are_meant() {
         let shader = "// Print: Alg. 1.\n// 1, 2: begin\n// and more\nvoid f() {\n    // 3-5: loop\n    // Departure: none\n    \
             // at all.\n    for (;;);\n\n    // Departure: alone.\n    g();\n}\nint unmarked;\n";
-        let found = steps(shader);
+        let found = read_steps(shader);
         let [(item, one), (_, two), (_, three)] = &found[..] else { panic!("{found:?}") };
         assert_eq!((item.as_str(), one.print.as_str()), ("Alg. 1", "begin and more"));
         assert_eq!((&one.lines[..], &one.code[..]), (&[1..=1, 2..=2][..], &["void f() {".to_owned()][..]));
         assert_eq!((&two.lines[..], &two.differs[..]), (&[3..=5][..], &["Departure: none at all.".to_owned()][..]));
         assert_eq!((&three.lines[..], three.code.len()), (&[][..], 2));
-        assert_eq!(marked("Eq. 4.4: direction"), None);
-        assert_eq!(written(two, 0), "    // [3 to 5] loop\n    // Departure: none at all.\n    for (;;);\n");
+        assert_eq!(parse_mark("Eq. 4.4: direction"), None);
+        assert_eq!(step_text(two, 0), "    // [3 to 5] loop\n    // Departure: none at all.\n    for (;;);\n");
     }
 }

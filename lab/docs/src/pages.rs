@@ -15,7 +15,7 @@ const END: &str = "<!-- end -->";
 type Result<T> = std::result::Result<T, String>;
 
 /// Reads the text of a file, whose name is relative to the root.
-pub(crate) fn text(root: &Path, name: &str) -> Result<String> {
+pub(crate) fn read_page(root: &Path, name: &str) -> Result<String> {
     fs::read_to_string(root.join(name)).map_err(|e| format!("{name}: {e}"))
 }
 
@@ -44,7 +44,7 @@ pub fn definitions(text: &str) -> BTreeMap<String, String> {
 
 /// A quotation of records on a page.
 #[derive(Debug)]
-pub struct Shown<'a> {
+pub struct Quotation<'a> {
     /// The name of the query, with its arguments.
     pub query: &'a str,
     /// The folders with the records that the query is about.
@@ -60,7 +60,7 @@ pub struct Shown<'a> {
 /// Returns the quotations of a page, and the text after the last one. A mark is `QUERY of RECORDS`, where RECORDS are
 /// names of link definitions of the page, separated by commas. `name` is the page's name below the root, and `text` its
 /// text.
-pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Shown<'a>>, &'a str)> {
+pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Quotation<'a>>, &'a str)> {
     let folder = root.join(name).parent().map(Path::to_owned).unwrap_or_default();
     let defined = definitions(text);
     let (mut found, mut rest) = (Vec::new(), text);
@@ -74,31 +74,28 @@ pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Sho
             None => Err(format!("{name}: no link definition [{label}]")),
         };
         let folders = labels.split(", ").map(target).collect::<Result<_>>()?;
-        found.push(Shown { query, folders, says, before, mark });
+        found.push(Quotation { query, folders, says, before, mark });
         rest = after;
     }
     Ok((found, rest))
 }
 
 /// Returns the text of a page in which every quotation is replaced by the present answer of its query.
-///
-/// # Errors
-/// A sentence about a mark that is wrong, or the failures of all queries.
-pub fn shown(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<String> {
+pub fn renew_quotations(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<String> {
     let (all, rest) = quotations(root, name, text)?;
     let (mut result, mut failures) = (String::new(), Vec::new());
-    for shown in &all {
-        match answer(queries, shown) {
-            Ok(answer) => result += &format!("{}{BEGIN}{} -->{answer}{END}", shown.before, shown.mark),
-            Err(failure) => failures.push(format!("{name}: {}: {failure}", shown.mark)),
+    for quotation in &all {
+        match answer(queries, quotation) {
+            Ok(answer) => result += &format!("{}{BEGIN}{} -->{answer}{END}", quotation.before, quotation.mark),
+            Err(failure) => failures.push(format!("{name}: {}: {failure}", quotation.mark)),
         }
     }
     if failures.is_empty() { Ok(result + rest) } else { Err(failures.join("\n")) }
 }
 
 /// Returns the text that a page should have between the two marks of a quotation.
-fn answer(queries: &Queries, Shown { query, folders, before, .. }: &Shown) -> Result<String> {
-    let answer = queries.shown(query, folders)?;
+fn answer(queries: &Queries, Quotation { query, folders, before, .. }: &Quotation) -> Result<String> {
+    let answer = queries.answer(query, folders)?;
     // Markdown does not format a line that begins with an HTML comment, so that a number may not begin a line.
     if answer.starts_with('\n') == before.ends_with('\n') {
         Ok(answer)
@@ -111,7 +108,7 @@ fn answer(queries: &Queries, Shown { query, folders, before, .. }: &Shown) -> Re
 const NO_PAGES: [&str; 4] = ["target", "out", "fuzz/corpus", "benches/runs/2"];
 
 /// Returns the names, relative to the root, of all pages and plots that quote records, in alphabetical order.
-pub fn quoting(root: &Path) -> Result<Vec<String>> {
+pub fn quoting_pages(root: &Path) -> Result<Vec<String>> {
     // Files and folders that are still to be looked at.
     let mut pending = vec![root.to_owned()];
     let mut found = Vec::new();
@@ -124,7 +121,7 @@ pub fn quoting(root: &Path) -> Result<Vec<String>> {
         if path.is_dir() {
             let entries = fs::read_dir(&path).map_err(|e| format!("{name}: {e}"))?;
             pending.extend(entries.filter_map(|entry| entry.ok().map(|entry| entry.path())));
-        } else if (name.ends_with(".md") || name.ends_with(".svg")) && text(root, &name)?.contains(BEGIN) {
+        } else if (name.ends_with(".md") || name.ends_with(".svg")) && read_page(root, &name)?.contains(BEGIN) {
             found.push(name);
         }
     }

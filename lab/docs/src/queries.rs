@@ -2,8 +2,8 @@
 
 use crate::devices;
 use crate::evaluation::{Context, distinct};
-use crate::expression::{Words, choice, fill, parse, split, word};
-use crate::records::{Failure, Library, Result, Rows};
+use crate::expression::{Words, fill_variables, parse, parse_choice, read_word, split_outside_brackets};
+use crate::records::{Library, Result, Rows};
 use serde::Deserialize;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -80,7 +80,7 @@ impl Queries {
                 let words: BTreeMap<String, String> = toml::from_str(&text).map_err(|e| fails(&e))?;
                 let (constants, words): (Vec<_>, Vec<_>) =
                     words.into_iter().partition(|(head, _)| head.starts_with('$'));
-                queries.words = words.iter().map(|(head, body)| word(head, body)).collect();
+                queries.words = words.iter().map(|(head, body)| read_word(head, body)).collect();
                 queries.constants = constants.into_iter().map(|(head, value)| (head[1..].to_owned(), value)).collect();
             } else {
                 let read: BTreeMap<String, Query> = toml::from_str(&text).map_err(|e| fails(&e))?;
@@ -95,8 +95,9 @@ impl Queries {
     pub(crate) fn find(&self, text: &str) -> Result<(&Query, Variables)> {
         let words: Vec<&str> = text.split(' ').collect();
         let fits = |name: &&String| {
-            let own: Vec<&str> = name.split(' ').collect();
-            own.len() == words.len() && own.iter().zip(&words).all(|(own, word)| own.starts_with('$') || own == word)
+            let parts: Vec<&str> = name.split(' ').collect();
+            parts.len() == words.len()
+                && parts.iter().zip(&words).all(|(part, word)| part.starts_with('$') || part == word)
         };
         let fixed_words = |name: &&String| name.split(' ').filter(|word| !word.starts_with('$')).count();
         let found = self.all.keys().filter(fits).max_by_key(fixed_words);
@@ -104,7 +105,8 @@ impl Queries {
         self.asked.borrow_mut().insert(name.clone());
         let mut variables = self.constants.clone();
         // An argument `a` is also there as `a~`, with blanks instead of underscores.
-        for (name, word) in name.split(' ').zip(&words).filter_map(|(own, word)| Some((own.strip_prefix('$')?, word))) {
+        for (name, word) in name.split(' ').zip(&words).filter_map(|(part, word)| Some((part.strip_prefix('$')?, word)))
+        {
             variables.insert(format!("{name}~"), word.replace('_', " "));
             variables.insert(name.to_owned(), (*word).to_owned());
         }
@@ -112,7 +114,7 @@ impl Queries {
     }
 
     /// Returns an error if there is a query that no page asked for.
-    pub(crate) fn all_asked(&self) -> std::result::Result<(), String> {
+    pub(crate) fn check_all_asked(&self) -> std::result::Result<(), String> {
         let asked = self.asked.borrow();
         let unasked = self.all.keys().find(|name| !asked.contains(*name));
         unasked.map_or(Ok(()), |name| Err(format!("no page asks for {name:?} of lab/docs/queries")))
@@ -120,28 +122,30 @@ impl Queries {
 
     /// Returns the text that pages show for a query about the records of some folders: an answer within a line, or
     /// lines or a table, which begin and end with a line break.
-    pub fn shown(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<String, String> {
-        let shown = || {
-            let (query, variables) = self.find(text)?;
-            if let Some(answer) = &query.answer {
-                return self.cell(query, answer, folders, &variables);
-            }
-            let Some(lines) = &query.lines else {
-                let rows = self.table(text, folders)?;
-                let line = |cells: &Vec<String>| format!("| {} |\n", cells.join(" | "));
-                let rule = format!("|{}\n", "---|".repeat(rows[0].len()));
-                let [head, rest] = [&rows[..1], &rows[1..]].map(|rows| rows.iter().map(line).collect::<String>());
-                let measured = devices::line(folders, &head, query.times, query.note.as_deref())?;
-                return Ok(format!("\n{head}{rule}{rest}\n{measured}\n"));
-            };
-            let rounds = self.kept(query, folders, &variables)?;
-            let lines =
-                rounds.iter().map(|round| self.cell(query, lines, folders, round)).collect::<Result<Vec<_>>>()?;
-            let joined = lines.join(query.between.as_deref().unwrap_or("\n"));
-            let frame = query.frame.as_deref().unwrap_or("$lines");
-            Ok(format!("\n{}\n", frame.replace("$lines", &joined)))
+    pub fn answer(&self, text: &str, folders: &[PathBuf]) -> std::result::Result<String, String> {
+        self.try_answer(text, folders).map_err(|failure| failure.words)
+    }
+
+    /// Returns the text of [`Self::answer`], or the failure.
+    fn try_answer(&self, text: &str, folders: &[PathBuf]) -> Result<String> {
+        let (query, variables) = self.find(text)?;
+        if let Some(answer) = &query.answer {
+            return self.evaluate_text(query, answer, folders, &variables);
+        }
+        let Some(lines) = &query.lines else {
+            let rows = self.table(text, folders)?;
+            let line = |cells: &Vec<String>| format!("| {} |\n", cells.join(" | "));
+            let rule = format!("|{}\n", "---|".repeat(rows[0].len()));
+            let [head, rest] = [&rows[..1], &rows[1..]].map(|rows| rows.iter().map(line).collect::<String>());
+            let note = devices::device_note(folders, &head, query.times, query.note.as_deref())?;
+            return Ok(format!("\n{head}{rule}{rest}\n{note}\n"));
         };
-        shown().map_err(|failure: Failure| failure.words)
+        let rows = self.row_variables(query, folders, &variables)?;
+        let lines =
+            rows.iter().map(|row| self.evaluate_text(query, lines, folders, row)).collect::<Result<Vec<_>>>()?;
+        let joined = lines.join(query.between.as_deref().unwrap_or("\n"));
+        let frame = query.frame.as_deref().unwrap_or("$lines");
+        Ok(format!("\n{}\n", frame.replace("$lines", &joined)))
     }
 
     /// Returns the records that a query's `from` and `where` choose, for its expressions; none if both are empty.
@@ -149,9 +153,10 @@ impl Queries {
         if query.from.is_empty() && query.r#where.is_empty() {
             return Ok(Rows::default());
         }
-        let text = format!("{}:{}", fill(&query.from, variables)?, fill(&query.r#where, variables)?);
+        let text =
+            format!("{}:{}", fill_variables(&query.from, variables)?, fill_variables(&query.r#where, variables)?);
         // The text has a colon, so the choice is of files, and needs no rows to choose from.
-        context.chosen(&choice(&text)?, &Rc::default())
+        context.choose(&parse_choice(&text)?, &Rc::default())
     }
 
     /// Returns the context in which the expressions of a query about some folders are evaluated.
@@ -161,8 +166,8 @@ impl Queries {
     }
 
     /// Returns a text in which variables are replaced by their values, and expressions between braces by theirs.
-    fn cell(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<String> {
-        let text = fill(text, variables)?;
+    fn evaluate_text(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<String> {
+        let text = fill_variables(text, variables)?;
         // Each part but the first begins with an expression.
         let mut parts = text.split('{');
         let mut written = parts.next().unwrap_or_default().to_owned();
@@ -170,17 +175,17 @@ impl Queries {
             let (expression, after) = part.split_once('}').ok_or_else(|| format!("{text:?} lacks a brace"))?;
             let context = self.context(query, folders);
             let rows = self.records(query, &context, variables)?;
-            written += &context.value(&parse(expression, &self.words)?, &rows)?.text()?;
+            written += &context.evaluate(&parse(expression, &self.words)?, &rows)?.text()?;
             written += after;
         }
         Ok(written)
     }
 
     /// Returns the value of the expression in a text as a number, after variables are replaced by their values.
-    fn number(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<f64> {
+    fn evaluate_number(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<f64> {
         let context = self.context(query, folders);
         let rows = self.records(query, &context, variables)?;
-        context.value(&parse(&fill(text, variables)?, &self.words)?, &rows)?.number()
+        context.evaluate(&parse(&fill_variables(text, variables)?, &self.words)?, &rows)?.number()
     }
 
     /// Returns the variables of each round of nested loops, given from the outer loop to the inner one. `from` has the
@@ -188,8 +193,8 @@ impl Queries {
     fn rounds(&self, query: &Query, loops: &[String], folders: &[PathBuf], from: &Variables) -> Result<Vec<Variables>> {
         let [first, rest @ ..] = loops else { return Ok(vec![from.clone()]) };
         let mut rounds = Vec::new();
-        for own in self.round(query, &fill(first, from)?, folders, from)? {
-            let variables = from.clone().into_iter().chain(own).collect();
+        for own_variables in self.loop_variables(query, &fill_variables(first, from)?, folders, from)? {
+            let variables = from.clone().into_iter().chain(own_variables).collect();
             rounds.extend(self.rounds(query, rest, folders, &variables)?);
         }
         Ok(rounds)
@@ -199,15 +204,21 @@ impl Queries {
     /// rounds. `a b: distinct c d` has the values of two fields as they first appear in the records, and `sorted`
     /// instead of `distinct` has them in order. `each` has all fields of each record. A condition in brackets after
     /// these words chooses records.
-    fn round(&self, query: &Query, text: &str, folders: &[PathBuf], from: &Variables) -> Result<Vec<Variables>> {
+    fn loop_variables(
+        &self,
+        query: &Query,
+        text: &str,
+        folders: &[PathBuf],
+        from: &Variables,
+    ) -> Result<Vec<Variables>> {
         let (names, values) = text.split_once(':').map_or((text, ""), |(names, values)| (names, values.trim_start()));
         let names: Vec<&str> = names.split(' ').collect();
         let context = self.context(query, folders);
         let chosen = |condition: &str| {
-            let choice = choice(condition.trim().trim_start_matches('[').trim_end_matches(']'))?;
+            let choice = parse_choice(condition.trim().trim_start_matches('[').trim_end_matches(']'))?;
             let is_elsewhere = choice.files.is_some();
             let rows = if is_elsewhere { Rc::default() } else { self.records(query, &context, from)? };
-            context.chosen(&choice, &rows)
+            context.choose(&choice, &rows)
         };
         if names[0] == "each" {
             let rows = chosen(text.trim_start_matches("each"))?;
@@ -228,8 +239,10 @@ impl Queries {
             // Rounds are separated by semicolons, or, in the value of an argument, by commas.
             None => {
                 let separator = if values.contains(';') { ';' } else { ',' };
-                let parts = |item: &str| split(item, '|').into_iter().map(|part| part.trim().to_owned()).collect();
-                split(values, separator).into_iter().map(parts).collect()
+                let parts = |item: &str| {
+                    split_outside_brackets(item, '|').into_iter().map(|part| part.trim().to_owned()).collect()
+                };
+                split_outside_brackets(values, separator).into_iter().map(parts).collect()
             }
         };
         let named = |values: Vec<String>| {
@@ -244,28 +257,29 @@ impl Queries {
 
     /// Returns the variables of each row of a query: of the rounds that its `when` keeps, in its order. The variable
     /// `$nth` numbers the rows from 0.
-    fn kept(&self, query: &Query, folders: &[PathBuf], variables: &Variables) -> Result<Vec<Variables>> {
-        // Each round with the number by which it is ordered.
-        let mut kept = Vec::new();
+    fn row_variables(&self, query: &Query, folders: &[PathBuf], variables: &Variables) -> Result<Vec<Variables>> {
+        // The variables of each row, with the number by which it is ordered.
+        let mut rows = Vec::new();
         for round in self.rounds(query, &query.rows, folders, variables)? {
-            let number =
-                |text: &Option<String>| text.as_ref().map(|text| self.number(query, text, folders, &round)).transpose();
+            let number = |text: &Option<String>| {
+                text.as_ref().map(|text| self.evaluate_number(query, text, folders, &round)).transpose()
+            };
             match number(&query.when) {
                 Ok(Some(0.0)) => {}
-                Ok(_) => kept.push((number(&query.order)?.unwrap_or_default(), round)),
+                Ok(_) => rows.push((number(&query.order)?.unwrap_or_default(), round)),
                 Err(failure) if failure.is_missing => {}
                 Err(failure) => return Err(failure),
             }
         }
-        if kept.is_empty() {
+        if rows.is_empty() {
             return Err("the table would be empty".into());
         }
-        kept.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        rows.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         let numbered = |(nth, (_, mut round)): (usize, (f64, Variables))| {
             round.insert("nth".to_owned(), nth.to_string());
             round
         };
-        Ok(kept.into_iter().enumerate().map(numbered).collect())
+        Ok(rows.into_iter().enumerate().map(numbered).collect())
     }
 
     /// Returns the table of the query that a text calls: rows of cells, the first of which has the captions.
@@ -273,17 +287,17 @@ impl Queries {
         let (query, mut variables) = self.find(text)?;
         // `$kind1`, `$kind2`, … are the kinds of device of the folders.
         for (n, folder) in folders.iter().enumerate() {
-            variables.insert(format!("kind{}", n + 1), devices::kind(folder).unwrap_or_default().to_owned());
+            variables.insert(format!("kind{}", n + 1), devices::device_kind(folder).unwrap_or_default().to_owned());
         }
         let (mut captions, mut rows) = (Vec::new(), Vec::new());
-        for round in self.kept(query, folders, &variables)? {
+        for round in self.row_variables(query, folders, &variables)? {
             let mut cells = Vec::new();
             captions.clear();
             for column in &query.columns {
                 let [caption, cell, loops @ ..] = &column[..] else { return Err("a column lacks its cell".into()) };
                 for round in self.rounds(query, loops, folders, &round)? {
-                    captions.push(fill(caption, &round)?);
-                    cells.push(self.cell(query, cell, folders, &round)?);
+                    captions.push(fill_variables(caption, &round)?);
+                    cells.push(self.evaluate_text(query, cell, folders, &round)?);
                 }
             }
             rows.push(cells);

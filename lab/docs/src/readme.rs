@@ -1,8 +1,8 @@
 //! Makes the file of the README's numbers by view (`lab/src/study/readme.csv`), with which `ssct gpu-study` compares
 //! the numbers of a device.
 
-use crate::devices::kind;
-use crate::pages::{definitions, quotations, text};
+use crate::devices::device_kind;
+use crate::pages::{definitions, quotations, read_page};
 use crate::queries::Queries;
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const TABLES: [(&str, &[&str]); 3] = [
 /// Returns the text of `readme.csv`. First come the numbers of the README's tables, on the views that the study
 /// measures. Then come the numbers that only the README's text has, with the command that measures each.
 pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
-    let readme = text(root, "README.md")?;
+    let readme = read_page(root, "README.md")?;
     let links = definitions(&readme);
     let folder =
         |name: &&str| Ok(root.join(links.get(*name).ok_or_else(|| format!("the README has no link [{name}]"))?));
@@ -27,11 +27,12 @@ pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
         // All tables have the same captions, which are the columns of the file.
         rows.extend(table.into_iter().skip(usize::from(!rows.is_empty())));
     }
-    for shown in quotations(root, "README.md", &readme)?.0 {
-        let (query, _) = queries.find(shown.query).map_err(|e| e.words)?;
-        let (Some([place, command]), [folder]) = (&query.readme, &shown.folders[..]) else { continue };
-        let says = queries.shown(shown.query, &shown.folders)?;
-        let cells = [place, "", shown.query, &says, kind(folder)?, "elsewhere", "", "", command, "", "", "", ""];
+    for quotation in quotations(root, "README.md", &readme)?.0 {
+        let (query, _) = queries.find(quotation.query).map_err(|e| e.words)?;
+        let (Some([place, command]), [folder]) = (&query.readme, &quotation.folders[..]) else { continue };
+        let says = queries.answer(quotation.query, &quotation.folders)?;
+        let cells =
+            [place, "", quotation.query, &says, device_kind(folder)?, "elsewhere", "", "", command, "", "", "", ""];
         rows.push(cells.map(str::to_owned).to_vec());
     }
     let mut writer = csv::Writer::from_writer(Vec::new());

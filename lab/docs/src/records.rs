@@ -46,34 +46,42 @@ pub type Row = BTreeMap<String, String>;
 /// The rows of a file.
 pub type Rows = Rc<Vec<Rc<Row>>>;
 
-/// The first day of records that compare with the current references, and the first version of the definitions that
-/// these records have in JSON. Before that day, the rays of a reference left the centre of a pixel.
-const FIRST: (&str, u64) = ("2026-11-23", 2);
+/// The first records that compare with a reference as it is now.
+struct FirstRecords {
+    /// The day of the first records that are not JSON.
+    day: &'static str,
+    /// The version of the definitions that the first records of JSON have.
+    definitions: u64,
+}
 
-/// The first day and the first version of the definitions of records that compare with the current screen reference.
-/// Version 3 changed that reference along edges and behind poles.
-const FIRST_OF_SCREEN: (&str, u64) = ("2026-11-28", 3);
+/// The first records that compare with any reference as it is now. Before them, the rays of a reference left the centre
+/// of a pixel.
+const FIRST_VALID: FirstRecords = FirstRecords { day: "2026-11-23", definitions: 2 };
+
+/// The first records that compare with the screen reference, which version 3 changed along edges and behind poles.
+const FIRST_VALID_OF_SCREEN: FirstRecords = FirstRecords { day: "2026-11-28", definitions: 3 };
 
 /// Returns the name of the run in which a path lies: the folder below `runs`.
-pub fn run(path: &Path) -> Option<&str> {
+pub fn run_name(path: &Path) -> Option<&str> {
     path.components().skip_while(|c| c.as_os_str() != "runs").nth(1)?.as_os_str().to_str()
 }
 
 /// Refuses a file if one of its records compares with an older reference. A record of JSON names the version of the
 /// definitions by which it was made. Any other record was made on the day with which the name of its run begins.
-fn of_todays_references(path: &Path, rows: &[Row]) -> Result<()> {
-    let day = run(path).and_then(|run| run.get(..FIRST.0.len()));
+fn check_references(path: &Path, rows: &[Row]) -> Result<()> {
+    let day = run_name(path).and_then(|run| run.get(.."YYYY-MM-DD".len()));
     let is_json = path.extension().is_some_and(|extension| extension == "json");
     let is_older = |row: &Row| {
         let version = row.get("definitions").and_then(|version| version.parse::<u64>().ok()).filter(|_| is_json);
-        let is_before = |(first_day, first): (&str, u64)| {
-            version.map_or_else(|| day.is_some_and(|day| day < first_day), |version| version < first)
+        let is_before = |first: &FirstRecords| match version {
+            Some(version) => version < first.definitions,
+            None => day.is_some_and(|day| day < first.day),
         };
         match row.get("against").map(String::as_str) {
-            Some("screen") => is_before(FIRST_OF_SCREEN),
-            Some(_) => is_before(FIRST),
+            Some("screen") => is_before(&FIRST_VALID_OF_SCREEN),
+            Some(_) => is_before(&FIRST_VALID),
             // Without the field, only JSON is refused: it may compare with a reference that it does not name.
-            None => version.is_some() && is_before(FIRST),
+            None => version.is_some() && is_before(&FIRST_VALID),
         }
     };
     if rows.iter().any(is_older) {
@@ -100,7 +108,7 @@ fn flatten(row: &mut Row, name: &str, value: &Value) {
 
 /// Returns a row for each record of a JSON text or, if `array` names an array, for each element of this array in each
 /// record.
-fn json(text: &str, array: &str) -> std::result::Result<Vec<Row>, String> {
+fn json_rows(text: &str, array: &str) -> std::result::Result<Vec<Row>, String> {
     let records: Vec<Value> = serde_json::from_str(text).map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
     for record in records {
@@ -121,7 +129,7 @@ fn json(text: &str, array: &str) -> std::result::Result<Vec<Row>, String> {
 }
 
 /// Returns the rows of a CSV text; lines that begin with # are comments.
-fn comma_separated(text: &str) -> std::result::Result<Vec<Row>, String> {
+fn csv_rows(text: &str) -> std::result::Result<Vec<Row>, String> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let head = reader.headers().map_err(|e| e.to_string())?.clone();
     let row = |record: csv::StringRecord| {
@@ -132,7 +140,7 @@ fn comma_separated(text: &str) -> std::result::Result<Vec<Row>, String> {
 
 /// Returns the rows of all tables of a Markdown page. The heads of the tables name the fields; the field `row` is the
 /// whole line.
-fn tables(text: &str) -> Vec<Row> {
+fn table_rows(text: &str) -> Vec<Row> {
     let cells = |line: &str| line.trim_matches('|').split(" | ").map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let lines: Vec<&str> = text.lines().collect();
     let (mut head, mut rows) = (Vec::new(), Vec::new());
@@ -149,7 +157,7 @@ fn tables(text: &str) -> Vec<Row> {
 /// Returns a row for each line of a plain text. Blanks and commas separate the words of a line. The fields `w1`, `w2`,
 /// … are the words counted from the first, and `e1`, `e2`, … those counted from the last. `text` is the line, and
 /// `words` its number of words.
-fn words(text: &str) -> Vec<Row> {
+fn word_rows(text: &str) -> Vec<Row> {
     let row = |line: &str| {
         let words: Vec<_> = line.split([' ', ',']).filter(|word| !word.is_empty()).map(str::to_owned).collect();
         let count = words.len();
@@ -165,7 +173,7 @@ fn words(text: &str) -> Vec<Row> {
 
 /// Returns the name that tables give to the method of a row with its options; `None` if the row lacks one of these
 /// fields.
-fn name(row: &Row) -> Option<String> {
+fn method_name(row: &Row) -> Option<String> {
     let [method, beyond, fallback, captures] = ["method", "beyond", "fallback", "captures"].map(|field| row.get(field));
     let (method, beyond, fallback, captures) = (method?, beyond?, fallback?, captures?);
     let alone = if beyond == "none" { ", screen alone" } else { "" };
@@ -176,15 +184,15 @@ fn name(row: &Row) -> Option<String> {
 
 /// Adds fields that follow from other fields: `size`, `name`, and for a case of stress the field `lacks`, which says
 /// whether the method lacks something that it needs of the scene.
-fn complete(row: &mut Row) {
+fn add_derived_fields(row: &mut Row) {
     if let (Some(width), Some(height), None) = (row.get("width"), row.get("height"), row.get("size")) {
         row.insert("size".to_owned(), format!("{width}x{height}"));
     }
-    if let Some(name) = name(row).filter(|_| !row.contains_key("name")) {
+    if let Some(name) = method_name(row).filter(|_| !row.contains_key("name")) {
         row.insert("name".to_owned(), name);
     }
     if let (Some(case), Some(method)) = (row.get("case"), row.get("method")) {
-        let lacks = scenes::of_row(None, Some(case)).is_some_and(|scene| scenes::lacks(scene, method));
+        let lacks = scenes::scene_of_row(None, Some(case)).is_some_and(|scene| scenes::lacks(scene, method));
         row.insert("lacks".to_owned(), if lacks { "yes" } else { "no" }.to_owned());
     }
 }
@@ -199,13 +207,13 @@ pub fn read(path: &Path, array: &str) -> Result<Vec<Row>> {
     }
     let text = fs::read_to_string(path).map_err(|e| Failure::missing(format!("{}: {e}", path.display())))?;
     let mut rows = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("json") => json(&text, array).map_err(fails)?,
-        Some("csv") => comma_separated(&text).map_err(fails)?,
-        Some("md") => tables(&text),
-        _ => words(&text),
+        Some("json") => json_rows(&text, array).map_err(fails)?,
+        Some("csv") => csv_rows(&text).map_err(fails)?,
+        Some("md") => table_rows(&text),
+        _ => word_rows(&text),
     };
-    rows.iter_mut().for_each(complete);
-    of_todays_references(path, &rows)?;
+    rows.iter_mut().for_each(add_derived_fields);
+    check_references(path, &rows)?;
     Ok(rows)
 }
 
@@ -242,7 +250,7 @@ impl Library {
     pub fn select(&self, folders: &[PathBuf], files: &str) -> Result<Rows> {
         let (files, array) = files.split_once('#').unwrap_or((files, ""));
         // The folders to look into, and the pattern of file names below them.
-        let (from, files) = match files.strip_prefix('@').map(|rest| rest.split_once('/').unwrap_or((rest, ""))) {
+        let (searched, files) = match files.strip_prefix('@').map(|rest| rest.split_once('/').unwrap_or((rest, ""))) {
             Some(("*", files)) => (folders, files),
             Some((number, files)) => {
                 let number: usize = number.parse().map_err(|_| format!("@{number} is no folder"))?;
@@ -254,10 +262,10 @@ impl Library {
         };
         let names = each_name(files);
         let mut paths = Vec::new();
-        for folder in from {
+        for folder in searched {
             paths.extend(names.iter().map(|name| if name.is_empty() { folder.clone() } else { folder.join(name) }));
         }
-        if from.len() > 1 {
+        if searched.len() > 1 {
             paths.retain(|path| path.exists());
         }
         match &mut paths[..] {

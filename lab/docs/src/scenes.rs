@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Facts about a built-in scene.
 #[derive(Debug, Clone)]
-struct Known {
+struct SceneFacts {
     /// The counts, as the fields of a row.
     counts: Row,
     /// The names of the methods that lack something that they need.
@@ -16,14 +16,14 @@ struct Known {
 }
 
 /// The facts about the scenes that were asked for, by the scene's name.
-static KNOWN: Mutex<BTreeMap<&'static str, Known>> = Mutex::new(BTreeMap::new());
+static KNOWN: Mutex<BTreeMap<&'static str, SceneFacts>> = Mutex::new(BTreeMap::new());
 
 /// Returns the facts about the scene of this name in the library; `None` if there is no such scene.
-fn known(name: &str) -> Option<Known> {
+fn scene_facts(name: &str) -> Option<SceneFacts> {
     let name = library::names().iter().copied().find(|known| *known == name)?;
     let mut all = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = all.get(name) {
-        return Some(known.clone());
+    if let Some(facts) = all.get(name) {
+        return Some(facts.clone());
     }
     let scene = library::scene(name)?;
     // The number of different edges of a mesh.
@@ -38,23 +38,23 @@ fn known(name: &str) -> Option<Known> {
         ("billboards", scene.impostors.len()),
     ];
     let counts = counts.map(|(what, count)| (what.to_owned(), count.to_string())).into();
-    let lacking = METHODS.iter().filter(|m| !m.lacks(&scene).is_empty()).map(|m| m.name).collect();
-    Some(all.entry(name).or_insert(Known { counts, lacking }).clone())
+    let lacking = METHODS.iter().filter(|m| !m.unmet_needs(&scene).is_empty()).map(|m| m.name).collect();
+    Some(all.entry(name).or_insert(SceneFacts { counts, lacking }).clone())
 }
 
 /// Returns the counts of a built-in scene: vertices, edges, textures and billboards. An edge counts once for all
 /// triangles of a mesh that share it.
 pub(crate) fn counts(scene: &str) -> Option<Row> {
-    known(scene).map(|known| known.counts)
+    scene_facts(scene).map(|facts| facts.counts)
 }
 
 /// Returns whether a method lacks something that it needs in a scene of the library.
 pub fn lacks(scene: &str, method: &str) -> bool {
-    known(scene).is_some_and(|known| known.lacking.contains(&method))
+    scene_facts(scene).is_some_and(|facts| facts.lacking.contains(&method))
 }
 
 /// Returns the scene of a row from its fields `scene` and `case`. Without a scene, it is the library's scene with whose
 /// name the case begins, before a colon.
-pub fn of_row<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a str> {
+pub fn scene_of_row<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a str> {
     scene.or_else(|| case?.split_once(": ").map(|(name, _)| name).filter(|name| library::names().contains(name)))
 }

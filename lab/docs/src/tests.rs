@@ -58,7 +58,7 @@ fn repository(run: &str) -> (tempfile::TempDir, Queries, Vec<PathBuf>) {
 #[test]
 fn queries_say_what_records_say() {
     let (_folder, queries, run) = repository("runs/2026-11-30-lavapipe");
-    let says = |query: &str| queries.shown(query, &run);
+    let says = |query: &str| queries.answer(query, &run);
     // Rows are matched by their views, in whatever order they stand.
     assert_eq!(says("over a b").unwrap(), "0.88");
     assert_eq!(says("grouped").unwrap(), "3 to 5 of 5, 10");
@@ -78,7 +78,7 @@ fn what_records_do_not_say_is_an_error() {
         ("screen", "is against an older reference"),
         ("unknown", "nothing is called \"unknown\""),
     ] {
-        let said = queries.shown(query, &run).unwrap_err();
+        let said = queries.answer(query, &run).unwrap_err();
         assert!(said.contains(words), "{query}: {said}");
     }
 }

@@ -43,17 +43,17 @@ const MAX_PARTS: usize = 2048;
 /// `MAX_TRIANGLES` triangles becomes several meshes, whose names are numbered ("wall 1/3").
 pub fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize + Sync) -> Vec<Mesh> {
     if parts.len() > MAX_PARTS {
-        parts = pool(parts);
+        parts = pool_by_material(parts);
     }
     let meshes_of_part = |part: MeshPart| {
         let material = material_of(&part);
         let MeshPart { name, mut triangles, has_tangents, .. } = part;
         match has_tangents {
-            true => tangents::settle(&mut triangles),
+            true => tangents::make_orthonormal(&mut triangles),
             false => tangents::generate(&mut triangles),
         }
         let mut chunks = Vec::new();
-        split(&mut triangles, &mut chunks);
+        split_in_space(&mut triangles, &mut chunks);
         let count = chunks.len();
         let names = (1..).map(|i| if count == 1 { name.clone() } else { format!("{name} {i}/{count}") });
         names.zip(chunks).map(|(name, chunk)| weld(name, material, chunk)).collect::<Vec<_>>()
@@ -63,7 +63,7 @@ pub fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize
 
 /// Merges all parts that have the same material and the same `has_tangents` into one part, which keeps the name of the
 /// first of them.
-fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
+fn pool_by_material(parts: Vec<MeshPart>) -> Vec<MeshPart> {
     let mut pooled: Vec<MeshPart> = Vec::new();
     // The index in `pooled` for each pair of material and `has_tangents`.
     let mut index_of: HashMap<(usize, bool), usize> = HashMap::new();
@@ -81,7 +81,7 @@ fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
 
 /// Splits the triangles at the median of their centres along the longest axis, recursively, until each chunk has at
 /// most [`MAX_TRIANGLES`]. The chunks are added to `chunks`.
-fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
+fn split_in_space<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
     if triangles.len() <= MAX_TRIANGLES {
         chunks.push(triangles);
         return;
@@ -96,8 +96,8 @@ fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
     let middle = triangles.len() / 2;
     triangles.select_nth_unstable_by(middle, |a, b| thrice_centre(a)[axis].total_cmp(&thrice_centre(b)[axis]));
     let (low, high) = triangles.split_at_mut(middle);
-    split(low, chunks);
-    split(high, chunks);
+    split_in_space(low, chunks);
+    split_in_space(high, chunks);
 }
 
 /// Makes an indexed mesh in which vertices that are equal bit by bit are stored once.

@@ -1,6 +1,5 @@
-//! Finds the closest triangle along a ray. A bounding volume hierarchy in f32 (the crate obvhs) proposes
-//! triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection",
-//! JCGT 2013) decides in f64.
+//! Finds the closest triangle along a ray. A bounding volume hierarchy in f32 (the crate obvhs) proposes triangles, and
+//! the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", JCGT 2013) decides in f64.
 //!
 //! An edge function of the test in f64 depends only on the two vertices of the edge, and swapping them changes only its
 //! sign. A ray that passes between two triangles with a shared edge therefore hits at least one of them. The boxes are
@@ -11,7 +10,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
 use obvhs::ray::{Ray as BoxRay, RayHit};
-use ssct_ground::scene::tree::boxes::{LEAF, PaddedBox, PaddedTriangles, build_ploc, levels};
+use ssct_ground::scene::tree::boxes::{MAX_LEAF_TRIANGLES, PaddedBox, PaddedTriangles, build_ploc, levels};
 
 /// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +83,7 @@ impl Boxes {
     /// are indices into `padded`.
     fn new(padded: &[PaddedBox]) -> Self {
         let mut binary = build_ploc(padded);
-        let wide = bvh2_to_cwbvh(&binary, LEAF, true, false);
+        let wide = bvh2_to_cwbvh(&binary, MAX_LEAF_TRIANGLES, true, false);
         if levels(&wide) < WIDE_LEVELS {
             return Self::Wide(wide);
         }

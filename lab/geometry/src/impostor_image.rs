@@ -39,12 +39,12 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
         texture: scene.textures.len(),
     };
     let shown: Vec<&Mesh> = scene.meshes.iter().filter(|m| meshes.contains(&m.name.as_str())).collect();
-    let samples = ImpostorCanvas::new(scene, &impostor, extent.map(|n| n * OVERSAMPLED)).drawn(&shown);
+    let samples = ImpostorCanvas::new(scene, &impostor, extent.map(|n| n * OVERSAMPLED)).draw_samples(&shown);
     let texture = Texture {
         name: format!("impostor {}", frame.name),
         width: extent[0],
         height: extent[1],
-        rgba: reduced(&samples, extent),
+        rgba: downsample(&samples, extent),
         encoding: Encoding::Srgb,
     };
     impostor.texture = scene.textures.len();
@@ -65,10 +65,10 @@ struct ImpostorCanvas<'a> {
 }
 
 /// A triangle on the canvas.
-struct Placed<'a> {
+struct PlacedTriangle<'a> {
     mesh: &'a Mesh,
     corners: [&'a Vertex; 3],
-    /// Column, row and height of each corner, as [`ImpostorCanvas::place`] gives them.
+    /// Column, row and height of each corner, as [`ImpostorCanvas::place_point`] gives them.
     places: [Vec3; 3],
     /// Twice the triangle's area, in samples; its sign is that of the winding on the canvas.
     area: f32,
@@ -76,10 +76,10 @@ struct Placed<'a> {
 
 /// The highest triangle at a sample.
 #[derive(Clone, Copy)]
-struct Highest<'a> {
+struct HighestTriangle<'a> {
     /// Height above the rectangle, in metres.
     height: f32,
-    triangle: &'a Placed<'a>,
+    triangle: &'a PlacedTriangle<'a>,
     /// Barycentric weights of the corners at the sample.
     weights: Vec3,
 }
@@ -93,10 +93,10 @@ impl<'a> ImpostorCanvas<'a> {
 
     /// Draws the meshes, and returns the linear colour of each sample, row by row, or `None` where no triangle covers
     /// it. Rows are drawn in parallel. A sample is shaded once, when its highest triangle is known.
-    fn drawn(&self, meshes: &[&Mesh]) -> Vec<Option<Vec3>> {
-        let triangles: Vec<Placed> = meshes
+    fn draw_samples(&self, meshes: &[&Mesh]) -> Vec<Option<Vec3>> {
+        let triangles: Vec<PlacedTriangle> = meshes
             .iter()
-            .flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |t| self.placed(mesh, t)))
+            .flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |t| self.place_triangle(mesh, t)))
             .filter(|triangle| triangle.area.abs() >= 1e-9)
             .collect();
         let colors_of_row = |y: u32| {
@@ -115,15 +115,15 @@ impl<'a> ImpostorCanvas<'a> {
     }
 
     /// Places a triangle on the canvas; `indices` are its three indices into the vertices of `mesh`.
-    fn placed<'m>(&self, mesh: &'m Mesh, indices: &[u32]) -> Placed<'m> {
+    fn place_triangle<'m>(&self, mesh: &'m Mesh, indices: &[u32]) -> PlacedTriangle<'m> {
         let corners = [0, 1, 2].map(|k| &mesh.vertices[indices[k] as usize]);
-        let places = corners.map(|v| self.place(Vec3::from(v.position)));
+        let places = corners.map(|v| self.place_point(Vec3::from(v.position)));
         let [a, b, c] = places.map(|p| p.truncate());
-        Placed { mesh, corners, places, area: (b - a).perp_dot(c - a) }
+        PlacedTriangle { mesh, corners, places, area: (b - a).perp_dot(c - a) }
     }
 
     /// Returns the column and row of a point in world space, in samples, and its height above the rectangle, in metres.
-    fn place(&self, point: Vec3) -> Vec3 {
+    fn place_point(&self, point: Vec3) -> Vec3 {
         let offset = point - self.impostor.centre;
         let along = |half: Vec3, count: u32| (0.5 + 0.5 * offset.dot(half) / half.length_squared()) * count as f32;
         Vec3::new(
@@ -135,7 +135,7 @@ impl<'a> ImpostorCanvas<'a> {
 
     /// Draws the part of a triangle that lies in one row: each sample that it covers gets it if it is the highest so
     /// far. `middle` is the middle of the row, in samples from the top.
-    fn draw<'t>(&self, row: &mut [Option<Highest<'t>>], middle: f32, triangle: &'t Placed<'t>) {
+    fn draw<'t>(&self, row: &mut [Option<HighestTriangle<'t>>], middle: f32, triangle: &'t PlacedTriangle<'t>) {
         let places = &triangle.places;
         let [a, b, c] = places.map(|p| p.truncate());
         let left = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
@@ -150,19 +150,19 @@ impl<'a> ImpostorCanvas<'a> {
             }
             let height = weights.dot(Vec3::new(places[0].z, places[1].z, places[2].z));
             if sample.is_none_or(|highest| highest.height < height) && !self.is_hole(triangle, weights) {
-                *sample = Some(Highest { height, triangle, weights });
+                *sample = Some(HighestTriangle { height, triangle, weights });
             }
         }
     }
 
     /// Returns true if the alpha mask of a triangle has a hole at the point with these barycentric weights.
-    fn is_hole(&self, triangle: &Placed, weights: Vec3) -> bool {
+    fn is_hole(&self, triangle: &PlacedTriangle, weights: Vec3) -> bool {
         let mask = self.scene.materials[triangle.mesh.material].alpha_mask;
         mask.is_some_and(|mask| self.average(&self.scene.textures[mask], triangle.uv(weights), 0.0).x < 0.5)
     }
 
     /// Returns the lit linear colour of the highest triangle at a sample. Its normal map is left out.
-    fn color(&self, Highest { triangle, weights, .. }: &Highest) -> Vec3 {
+    fn color(&self, HighestTriangle { triangle, weights, .. }: &HighestTriangle) -> Vec3 {
         let material = &self.scene.materials[triangle.mesh.material];
         let [a, b, c] = triangle.corners.map(|v| Vec2::from(v.uv));
         // The side of the square in texture coordinates whose area is that of one sample.
@@ -201,7 +201,7 @@ impl<'a> ImpostorCanvas<'a> {
     }
 }
 
-impl Placed<'_> {
+impl PlacedTriangle<'_> {
     /// Returns an attribute at the point with these barycentric weights, interpolated between the corners.
     fn mix(&self, weights: Vec3, attribute: impl Fn(&Vertex) -> Vec3) -> Vec3 {
         (0..3).map(|k| weights[k] * attribute(self.corners[k])).sum()
@@ -216,7 +216,7 @@ impl Placed<'_> {
 /// Reduces samples to an image of `width` × `height` texels, as sRGB bytes with alpha. The colour is the mean of the
 /// covered samples, and alpha is the share of covered samples. Texels without covered samples get the mean colour of
 /// the image, so that filtering adds no dark seam.
-fn reduced(samples: &[Option<Vec3>], [width, height]: [u32; 2]) -> Vec<u8> {
+fn downsample(samples: &[Option<Vec3>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
     // The sum of the colours of the covered samples of a texel, and their number as the fourth component.
     let texel_sum = |x: u32, y: u32| {

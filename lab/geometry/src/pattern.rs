@@ -234,9 +234,9 @@ pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
 pub fn images(pattern: Pattern) -> (Texture, Texture) {
     let design = pattern.design();
     let samples: Vec<Sample> = (0..SIZE * SIZE).into_par_iter().map(|k| design(Texel::new(k, [SIZE, SIZE]))).collect();
-    let albedo = bytes([SIZE, SIZE], |k| srgba(samples[k as usize].albedo));
+    let albedo = image_bytes([SIZE, SIZE], |k| srgba(samples[k as usize].albedo));
     let texel_m = pattern.size_m() / SIZE as f32;
-    let normal = bytes([SIZE, SIZE], |k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5));
+    let normal = image_bytes([SIZE, SIZE], |k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5));
     let texture = |kind: &str, rgba, encoding| Texture {
         name: format!("generated {} {kind}", pattern.label()),
         width: SIZE,
@@ -279,12 +279,12 @@ fn image(
     encoding: Encoding,
     texel: impl Fn(Texel) -> [u8; 4] + Sync,
 ) -> Texture {
-    let rgba = bytes([width, height], |k| texel(Texel::new(k, [width, height])));
+    let rgba = image_bytes([width, height], |k| texel(Texel::new(k, [width, height])));
     Texture { name, width, height, rgba, encoding }
 }
 
 /// The bytes of an image, row by row; `texel` returns those of texel `k`.
-fn bytes([width, height]: [u32; 2], texel: impl Fn(u32) -> [u8; 4] + Sync) -> Vec<u8> {
+fn image_bytes([width, height]: [u32; 2], texel: impl Fn(u32) -> [u8; 4] + Sync) -> Vec<u8> {
     let mut rgba = vec![0; 4 * (width * height) as usize];
     let texels = rgba.par_chunks_exact_mut(4).zip(0..width * height);
     texels.for_each(|(bytes, k)| bytes.copy_from_slice(&texel(k)));

@@ -46,7 +46,7 @@ pub struct Placement {
     /// The captures.
     pub captures: Vec<Capture>,
     /// Number of captures, from the first on, that come from the scene file.
-    pub own: usize,
+    pub from_file: usize,
     /// Shares, 0…1, of what mirrors show beyond the screen (see `mirrors`): the share that the first capture sees, the
     /// share that the first two see, and so on. The list is as long as [`Placement::captures`]. All shares are 0 where
     /// mirrors show nothing.
@@ -65,10 +65,10 @@ pub fn with_captures(scene: &mut Scene, wanted: WantedCaptures) -> Placement {
 /// Returns a function that runs [`place`] in a copy of the scene. The function takes the captures of the scene file and
 /// how many captures are wanted, and returns the captures that [`place`] finds.
 pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Capture> + use<> {
-    let bare = RefCell::new(placement_scene(scene));
-    move |own, wanted| {
-        let mut scene = bare.borrow_mut();
-        scene.captures = own.to_vec();
+    let scene_copy = RefCell::new(placement_scene(scene));
+    move |captures_of_file, wanted| {
+        let mut scene = scene_copy.borrow_mut();
+        scene.captures = captures_of_file.to_vec();
         place(&scene, wanted).captures
     }
 }
@@ -76,7 +76,7 @@ pub fn finder(scene: &Scene) -> impl Fn(&[Capture], WantedCaptures) -> Vec<Captu
 /// Returns the scene's own captures, as many as are wanted, followed by further ones up to the wanted number. These
 /// stand where they show the most of what people see in mirrors. The scene's views have no influence.
 pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
-    let (own, most, least_gain) = match wanted {
+    let (from_file, most, least_gain) = match wanted {
         WantedCaptures::Auto if scene.captures.is_empty() => (0, AUTO_MOST, AUTO_GAIN),
         WantedCaptures::Auto => (scene.captures.len(), scene.captures.len(), 0.0),
         WantedCaptures::Count(count) => (count.min(scene.captures.len()), count.min(MAX_CAPTURES), 0.0),
@@ -90,20 +90,19 @@ pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
         (!ends.is_empty()).then_some((stands, ends))
     };
     let Some((stands, ends)) = space::SIZES.iter().find_map(stands_and_ends) else {
-        let captures = scene.captures[..own].to_vec();
-        return Placement { seen: vec![0.0; own], captures, own, stands: Vec::new() };
+        let captures = scene.captures[..from_file].to_vec();
+        return Placement { seen: vec![0.0; from_file], captures, from_file, stands: Vec::new() };
     };
     let placement = Placement { stands: stands.iter().map(|s| s.eye.as_vec3()).collect(), ..Placement::default() };
     let mut search = CaptureSearch { triangles: &triangles, best: vec![0.0; ends.len()], ends, placement };
-    for capture in &scene.captures[..own] {
-        // How well the capture shows each end.
-        let row = search.row(capture.position.as_dvec3());
-        search.take(*capture, &row);
+    for capture in &scene.captures[..from_file] {
+        let shares = search.shown_shares(capture.position.as_dvec3());
+        search.add(*capture, &shares);
     }
-    search.placement.own = own;
-    if own < most {
+    search.placement.from_file = from_file;
+    if from_file < most {
         let base = scene.captures.first().copied().unwrap_or(Capture::placed_at(Vec3::ZERO));
-        search.search(base, &space::candidates(&stands), most, least_gain);
+        search.run(base, &space::candidates(&stands), most, least_gain);
     }
     search.placement
 }
@@ -143,15 +142,15 @@ struct CaptureSearch<'a> {
 impl CaptureSearch<'_> {
     /// Adds captures like `base` at the candidate with the greatest gain, one after another. The search ends with
     /// `most` captures, or when the gain is below `least_gain`, as a share of all ends, or is 0.
-    fn search(&mut self, base: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
-        let mut rows: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.row(c.position)).collect();
+    fn run(&mut self, base: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
+        let mut shares: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.shown_shares(c.position)).collect();
         while self.placement.captures.len() < most {
-            let gains: Vec<f32> = rows.par_iter().map(|row| self.gain(row)).collect();
+            let gains: Vec<f32> = shares.par_iter().map(|shares| self.gain(shares)).collect();
             // The first of equal gains is taken, so that the result does not depend on threads.
             let best = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
             let Some(index) = best.filter(|i| gains[*i] > 0.0) else { break };
-            // The candidate's row is taken out. A candidate without a row has no gain, so that none is tried twice.
-            let row = std::mem::take(&mut rows[index]);
+            // A candidate without shares has no gain, so that none is tried twice.
+            let shares = std::mem::take(&mut shares[index]);
             let candidate = &candidates[index];
             if !space::is_clear(self.triangles, candidate) {
                 continue;
@@ -159,28 +158,28 @@ impl CaptureSearch<'_> {
             if gains[index] < least_gain * self.ends.len() as f32 {
                 break;
             }
-            self.take(Capture { position: candidate.position.as_vec3(), ..base }, &row);
+            self.add(Capture { position: candidate.position.as_vec3(), ..base }, &shares);
         }
     }
 
     /// Returns how well a capture at `place` would show each end, 0…1, in the order of the ends; 0 for a hidden end.
-    fn row(&self, place: DVec3) -> Vec<f32> {
+    fn shown_shares(&self, place: DVec3) -> Vec<f32> {
         self.ends
             .iter()
             .map(|end| if sees(self.triangles, place, end.position) { shown_share(place, end) } else { 0.0 })
             .collect()
     }
 
-    /// Returns the gain of a candidate that shows each end as well as `row` says: by how much it shows ends better than
-    /// the captures so far, summed over all ends. The gain of an empty row is 0.
-    fn gain(&self, row: &[f32]) -> f32 {
-        row.iter().zip(&self.best).map(|(new, best)| (new - best).max(0.0)).sum()
+    /// Returns the gain of a candidate that shows each end as well as `shares` says: by how much it shows ends better
+    /// than the captures so far, summed over all ends. Without shares, the gain is 0.
+    fn gain(&self, shares: &[f32]) -> f32 {
+        shares.iter().zip(&self.best).map(|(new, best)| (new - best).max(0.0)).sum()
     }
 
-    /// Adds a capture, which shows each end as well as `row` says, and the share of the ends that all captures then
+    /// Adds a capture, which shows each end as well as `shares` says, and the share of the ends that all captures then
     /// see.
-    fn take(&mut self, capture: Capture, row: &[f32]) {
-        self.best.iter_mut().zip(row).for_each(|(best, new)| *best = best.max(*new));
+    fn add(&mut self, capture: Capture, shares: &[f32]) {
+        self.best.iter_mut().zip(shares).for_each(|(best, new)| *best = best.max(*new));
         let seen = self.best.iter().filter(|b| **b > 0.0).count();
         self.placement.captures.push(capture);
         self.placement.seen.push(seen as f32 / self.ends.len().max(1) as f32);

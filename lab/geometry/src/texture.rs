@@ -156,15 +156,16 @@ pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
     let position = (uv - uv.floor()) * size - 0.5;
     let (corner, weight) = (position.floor(), position - position.floor());
     let wrap = |index: f64, size: u32| (index as i64).rem_euclid(i64::from(size)) as usize;
-    let texel =
-        |dx: f64, dy: f64| decoded(texture, wrap(corner.x + dx, texture.width), wrap(corner.y + dy, texture.height));
+    let texel = |dx: f64, dy: f64| {
+        linear_texel(texture, wrap(corner.x + dx, texture.width), wrap(corner.y + dy, texture.height))
+    };
     let upper = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
     let lower = texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x);
     upper.lerp(lower, weight.y)
 }
 
 /// Returns a texel, red, green, blue and alpha from 0 to 1, decoded to linear values.
-fn decoded(texture: &Texture, x: usize, y: usize) -> DVec4 {
+fn linear_texel(texture: &Texture, x: usize, y: usize) -> DVec4 {
     let offset = 4 * (y * texture.width as usize + x);
     let rgba: [u8; 4] = std::array::from_fn(|k| texture.rgba[offset + k]);
     let unit = rgba.map(|byte| f64::from(byte) / 255.0);
@@ -189,8 +190,7 @@ pub fn into_reflectivity(texture: Texture) -> Texture {
     map_to_grey(texture, |texel| to_byte(luminance(srgb_to_linear(texel))))
 }
 
-/// Converts the image to a tangent-space normal map (green up, linear), with its slopes multiplied by
-/// `tilt`.
+/// Converts the image to a tangent-space normal map (green up, linear), with its slopes multiplied by `tilt`.
 ///
 /// If the content is a normal map ([`is_normal_map`]), the map is kept; its unused black texels become flat, and green
 /// is inverted if it points down. Any other image is treated as a height field of depth [`RELIEF_TEXELS`] · `tilt`.

@@ -56,7 +56,7 @@ pub fn is_enclosed(scene: &Scene) -> bool {
 
 /// Returns the directions down and up, then [`AZIMUTHS`] horizontal ones, and as many that rise and that fall.
 fn directions() -> Vec<Vec3> {
-    let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height));
+    let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| directions_around(height));
     [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect()
 }
 
@@ -85,7 +85,7 @@ pub fn default_light() -> Light {
 }
 
 /// Returns unit vectors in [`AZIMUTHS`] directions around, each with `height` as the ratio of y to horizontal length.
-fn round(height: f32) -> impl Iterator<Item = Vec3> {
+fn directions_around(height: f32) -> impl Iterator<Item = Vec3> {
     (0..AZIMUTHS).map(move |index| {
         let (sin, cos) = (index as f32 / AZIMUTHS as f32 * std::f32::consts::TAU).sin_cos();
         Vec3::new(sin, height, cos).normalize()

@@ -31,7 +31,7 @@
 //! cube `sky`, whose faces have any one size, and `R`, `G`, `B` alone; without this cube it is black.
 
 use super::capture::face_camera;
-use super::exr_channels::{self, ExrChannels, axis, check};
+use super::exr_channels::{self, ExrChannels, check_values, components, vector_channels};
 use super::gbuffer_file::{MAX_BYTES, reversed_depth};
 use super::{Aabb, Capture, GBufferData, Surface, scene_file};
 use exr::meta::header::LayerAttributes;
@@ -91,32 +91,31 @@ impl CaptureFolder {
     pub fn face(&self, capture: usize, face: usize) -> Result<GBufferData> {
         let path = face_path(&self.path, capture, face);
         let whose = format!("capture {}", capture + 1);
-        let bytes = read(&path, &whose)?;
+        let bytes = read_face(&path, &whose)?;
         let mut file = ExrChannels::decode(&bytes, &path, "the face")?;
         let wrong = |message: String| Error::malformed(&path, None, message);
-        let (width, height) = square(&file, &path)?;
+        let side = square_side(&file, &path)?;
         let Capture { position, near_m, resolution } = self.captures[capture];
-        if width != resolution {
-            let message = format!("the face has {width}x{height} texels, where {LIST} says {resolution}x{resolution}");
+        if side != resolution {
+            let message = format!("the face has {side}x{side} texels, where {LIST} says {resolution}x{resolution}");
             return Err(wrong(message));
         }
         let camera = face_camera(position, face, near_m);
         let depth = match (file.take("depth"), file.take("Z")) {
             (Some(depth), _) => {
-                check(&path, (width, "texel"), "depth", "a number from 0 to 1", &depth, |d| (0.0..=1.0).contains(&d))?;
+                let is_depth = |value: f32| (0.0..=1.0).contains(&value);
+                check_values(&path, (side, "texel"), "depth", "a number from 0 to 1", &depth, is_depth)?;
                 depth
             }
             (None, Some(z)) => {
-                check(&path, (width, "texel"), "Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
+                check_values(&path, (side, "texel"), "Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
                 z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect()
             }
             (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
         };
-        let mut color = finite(&mut file, &path, ["R", "G", "B"])?;
-        let normal = finite(&mut file, &path, ["N.X", "N.Y", "N.Z"])?;
-        let surface_of = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
-        let surface: Vec<Surface> =
-            file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(surface_of).collect());
+        let mut color = take_finite(&mut file, &path, ["R", "G", "B"])?;
+        let normal = take_finite(&mut file, &path, ["N.X", "N.Y", "N.Z"])?;
+        let surface = file.take_surfaces();
         for ((color, surface), depth) in color.iter_mut().zip(&surface).zip(&depth) {
             if *surface == Surface::Sky || *depth == 0.0 {
                 *color = Vec3::ZERO;
@@ -124,8 +123,8 @@ impl CaptureFolder {
         }
         let zeros = vec![0.0; depth.len()];
         Ok(GBufferData {
-            width,
-            height,
+            width: side,
+            height: side,
             camera,
             depth,
             normal,
@@ -147,16 +146,16 @@ impl CaptureFolder {
         let mut cube = SkyCube { side: 0, texels: Vec::new() };
         for face in 0..FACES.len() {
             let path = sky_path(&self.path, face);
-            let bytes = read(&path, "the sky")?;
+            let bytes = read_face(&path, "the sky")?;
             let mut file = ExrChannels::decode(&bytes, &path, "the face")?;
-            let (side, _) = square(&file, &path)?;
+            let side = square_side(&file, &path)?;
             if face > 0 && side != cube.side {
                 let (first, expected) = (FACES[0], cube.side);
                 let message = format!("the face has {side}x{side} texels, where {first}.exr has {expected}x{expected}");
                 return Err(Error::malformed(&path, None, message));
             }
             cube.side = side;
-            cube.texels.append(&mut finite(&mut file, &path, ["R", "G", "B"])?);
+            cube.texels.append(&mut take_finite(&mut file, &path, ["R", "G", "B"])?);
         }
         Ok(Some(cube))
     }
@@ -188,19 +187,10 @@ pub fn encode_tables(captures: &[Capture]) -> String {
 /// # Errors
 /// [`Error::Malformed`] if the format cannot hold the face. `path` is only used to name the file in the error.
 pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
-    let sky: Vec<f32> = face.surface.iter().map(|surface| f32::from(u8::from(*surface == Surface::Sky))).collect();
-    let mut channels = vec![
-        ("R", axis(&face.color, 0)),
-        ("G", axis(&face.color, 1)),
-        ("B", axis(&face.color, 2)),
-        ("depth", face.depth.clone()),
-        ("N.X", axis(&face.normal, 0)),
-        ("N.Y", axis(&face.normal, 1)),
-        ("N.Z", axis(&face.normal, 2)),
-    ];
-    if sky.contains(&1.0) {
-        channels.push(("sky", sky));
-    }
+    let mut channels = vec![("depth", face.depth.clone())];
+    channels.extend(vector_channels(["R", "G", "B"], &face.color));
+    channels.extend(vector_channels(["N.X", "N.Y", "N.Z"], &face.normal));
+    channels.extend(exr_channels::sky_channel(&face.surface));
     exr_channels::encode([face.width, face.height], LayerAttributes::default(), channels, path)
 }
 
@@ -209,12 +199,12 @@ pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// The errors of [`encode_face`].
 pub fn encode_sky(side: u32, colors: &[Vec3], path: &Path) -> Result<Vec<u8>> {
-    let channels = vec![("R", axis(colors, 0)), ("G", axis(colors, 1)), ("B", axis(colors, 2))];
+    let channels = vector_channels(["R", "G", "B"], colors).into();
     exr_channels::encode([side; 2], LayerAttributes::default(), channels, path)
 }
 
 /// Reads the bytes of one face of a cube. `whose` names the cube in the error about a missing file, as in "the sky".
-fn read(path: &Path, whose: &str) -> Result<Vec<u8>> {
+fn read_face(path: &Path, whose: &str) -> Result<Vec<u8>> {
     bounded::read(path, "a face of a cube", MAX_BYTES).map_err(|e| match e {
         Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
             Error::malformed(path, None, format!("there is no such file, and {whose} needs all of its six faces"))
@@ -223,21 +213,22 @@ fn read(path: &Path, whose: &str) -> Result<Vec<u8>> {
     })
 }
 
-/// Checks that a face is square, and returns its width and height.
-fn square(file: &ExrChannels, path: &Path) -> Result<(u32, u32)> {
+/// Checks that a face is square, and returns the number of texels along a side.
+fn square_side(file: &ExrChannels, path: &Path) -> Result<u32> {
     let (width, height) = (file.width, file.height);
     if width != height {
         let message = format!("the face has {width}x{height} texels, and the faces of a cube are square");
         return Err(Error::malformed(path, None, message));
     }
-    Ok((width, height))
+    Ok(width)
 }
 
 /// Takes three channels, whose values must be finite, as one vector for each texel.
-fn finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<Vec3>> {
+fn take_finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<Vec3>> {
     let vectors = file.vectors(names)?;
     for (component, name) in names.into_iter().enumerate() {
-        check(path, (file.width, "texel"), name, "a finite number", &axis(&vectors, component), f32::is_finite)?;
+        let values = components(&vectors, component);
+        check_values(path, (file.width, "texel"), name, "a finite number", &values, f32::is_finite)?;
     }
     Ok(vectors)
 }
@@ -265,7 +256,7 @@ mod tests {
 
     /// Writes a folder with two captures and a sky; returns the folder, which is deleted when dropped, and the
     /// captures.
-    fn written() -> (tempfile::TempDir, Vec<Capture>) {
+    fn write_folder() -> (tempfile::TempDir, Vec<Capture>) {
         let folder = tempfile::tempdir().unwrap();
         let capture_at = |x: f32| Capture { resolution: 2, ..Capture::placed_at(Vec3::new(x, 1.5, -0.1)) };
         let captures = vec![capture_at(0.1), capture_at(-7.25)];
@@ -286,7 +277,7 @@ mod tests {
     }
 
     /// Reads all faces and the sky of a folder.
-    fn all(folder: &Path) -> Result<(Vec<GBufferData>, Option<SkyCube>)> {
+    fn read_all(folder: &Path) -> Result<(Vec<GBufferData>, Option<SkyCube>)> {
         let read = CaptureFolder::open(folder)?;
         let indices = (0..read.captures().len()).flat_map(|capture| (0..6).map(move |face| (capture, face)));
         let faces = indices.map(|(capture, face)| read.face(capture, face)).collect::<Result<_>>()?;
@@ -295,24 +286,24 @@ mod tests {
 
     #[test]
     fn a_folder_round_trips_every_bit() {
-        let (folder, captures) = written();
+        let (folder, captures) = write_folder();
         let read = CaptureFolder::open(folder.path()).unwrap();
         assert_eq!((read.captures(), read.bounds()), (&captures[..], BOUNDS));
         std::fs::write(folder.path().join(LIST), encode_tables(&captures)).unwrap();
         assert_eq!(CaptureFolder::open(folder.path()).unwrap().bounds(), Aabb::ALL);
-        let (faces, sky) = all(folder.path()).unwrap();
+        let (faces, sky) = read_all(folder.path()).unwrap();
         for (i, read) in faces.iter().enumerate() {
             assert!(*read == face(&captures[i / 6], i % 6), "face {i}");
         }
         let texels = (0..6).map(|face| Vec3::splat(face as f32)).collect();
         assert_eq!(sky, Some(SkyCube { side: 1, texels }));
         std::fs::remove_dir_all(folder.path().join(SKY)).unwrap();
-        assert_eq!(all(folder.path()).unwrap().1, None);
+        assert_eq!(read_all(folder.path()).unwrap().1, None);
     }
 
     #[test]
     fn view_z_is_as_good_as_depth_and_colours_of_the_sky_are_not_read() {
-        let (folder, captures) = written();
+        let (folder, captures) = write_folder();
         let path = face_path(folder.path(), 0, 3);
         let z = vec![0.05, 4.0, 0.0, f32::INFINITY];
         let ones = || vec![1.0; 4];
@@ -329,15 +320,15 @@ mod tests {
     }
 
     /// Returns the error message of reading a folder after `change`, with DIR for the path of the folder.
-    fn said(change: impl FnOnce(&Path, &[Capture])) -> String {
-        let (folder, captures) = written();
+    fn error_after(change: impl FnOnce(&Path, &[Capture])) -> String {
+        let (folder, captures) = write_folder();
         change(folder.path(), &captures);
-        all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
+        read_all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
     }
 
     /// Returns the error message of reading a folder after `change` of the last face of its second capture.
-    fn said_of_face(change: impl FnOnce(&mut GBufferData)) -> String {
-        said(|folder, captures| {
+    fn error_of_changed_face(change: impl FnOnce(&mut GBufferData)) -> String {
+        error_after(|folder, captures| {
             let mut changed = face(&captures[1], 5);
             change(&mut changed);
             let path = face_path(folder, 1, 5);
@@ -347,7 +338,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_gets_one_sentence_that_says_where() {
-        let list = |text: &str| said(|folder, _| std::fs::write(folder.join(LIST), text).unwrap());
+        let list = |text: &str| error_after(|folder, _| std::fs::write(folder.join(LIST), text).unwrap());
         assert_eq!(list(""), "DIR/captures.toml: it lists no captures");
         let unknown = list("[[capture]]\nplace = [0, 0, 0]\nside = 2\n");
         assert!(unknown.starts_with("DIR/captures.toml:3: unknown field `side`"), "{unknown}");
@@ -365,43 +356,43 @@ mod tests {
             "DIR/captures.toml:8: all captures of a scene have one resolution: this one has 4, the first has 2"
         );
         for (bounds, given) in [("turned", "[[0, 0, 0], [1, -1, 1]]"), ("endless", "[[0, 0, 0], [1, inf, 1]]")] {
-            let said = list(&format!("# {bounds}\nbounds = {given}\n{}", table("0.1", "2")));
+            let message = list(&format!("# {bounds}\nbounds = {given}\n{}", table("0.1", "2")));
             let words = "bounds must be the least and the greatest corner of a box, of finite numbers";
-            assert_eq!(said, format!("DIR/captures.toml:2: {words}"));
+            assert_eq!(message, format!("DIR/captures.toml:2: {words}"));
         }
         assert_eq!(list(&table("0.1", "4")), "DIR/1/px.exr: the face has 2x2 texels, where captures.toml says 4x4");
         assert_eq!(
-            said(|folder, _| std::fs::remove_file(face_path(folder, 1, 3)).unwrap()),
+            error_after(|folder, _| std::fs::remove_file(face_path(folder, 1, 3)).unwrap()),
             "DIR/2/ny.exr: there is no such file, and capture 2 needs all of its six faces"
         );
         assert_eq!(
-            said(|folder, _| std::fs::remove_file(sky_path(folder, 4)).unwrap()),
+            error_after(|folder, _| std::fs::remove_file(sky_path(folder, 4)).unwrap()),
             "DIR/sky/pz.exr: there is no such file, and the sky needs all of its six faces"
         );
-        let text = said(|folder, _| std::fs::write(face_path(folder, 0, 0), "hello").unwrap());
+        let text = error_after(|folder, _| std::fs::write(face_path(folder, 0, 0), "hello").unwrap());
         assert!(text.starts_with("DIR/1/px.exr: cannot be read as an OpenEXR image: "), "{text}");
         assert_eq!(
-            said_of_face(|f| (f.width, f.height) = (4, 1)),
+            error_of_changed_face(|f| (f.width, f.height) = (4, 1)),
             "DIR/2/nz.exr: the face has 4x1 texels, and the faces of a cube are square"
         );
         assert_eq!(
-            said_of_face(|f| f.depth[3] = f32::NAN),
+            error_of_changed_face(|f| f.depth[3] = f32::NAN),
             "DIR/2/nz.exr: channel depth is NaN at texel 1, 1; it must be a number from 0 to 1"
         );
         assert_eq!(
-            said_of_face(|f| f.depth[2] = 1.5),
+            error_of_changed_face(|f| f.depth[2] = 1.5),
             "DIR/2/nz.exr: channel depth is 1.5 at texel 0, 1; it must be a number from 0 to 1"
         );
         assert_eq!(
-            said_of_face(|f| f.color[1].y = f32::INFINITY),
+            error_of_changed_face(|f| f.color[1].y = f32::INFINITY),
             "DIR/2/nz.exr: channel G is inf at texel 1, 0; it must be a finite number"
         );
-        let sky_of_two = said(|folder, _| {
+        let sky_of_two = error_after(|folder, _| {
             let path = sky_path(folder, 2);
             std::fs::write(&path, encode_sky(2, &[Vec3::ZERO; 4], &path).unwrap()).unwrap();
         });
         assert_eq!(sky_of_two, "DIR/sky/py.exr: the face has 2x2 texels, where px.exr has 1x1");
-        let without_normals = said(|folder, _| {
+        let without_normals = error_after(|folder, _| {
             let path = face_path(folder, 0, 1);
             let channels = ["R", "G", "B", "depth"].map(|name| (name, vec![0.5; 4])).to_vec();
             let bytes = exr_channels::encode([2; 2], LayerAttributes::default(), channels, &path).unwrap();

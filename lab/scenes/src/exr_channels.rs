@@ -1,5 +1,6 @@
 //! Reads and writes channels of 32-bit floats in OpenEXR files without rounding, for G-buffers and captures.
 
+use super::Surface;
 use super::exr_window::ImageWindow;
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -74,10 +75,10 @@ pub fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> 
 /// newer versions of the format; this function recognises and names them.
 pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
     let message = match compression_number(bytes) {
-        Some(number @ (10 | 11)) => not_supported(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
-        Some(12) => not_supported("LJ2K"),
-        Some(13) => not_supported("ZSTD"),
-        Some(other) => not_supported(&format!("of number {other}")),
+        Some(number @ (10 | 11)) => unsupported_message(if number == 10 { "HTJ2K256" } else { "HTJ2K32" }),
+        Some(12) => unsupported_message("LJ2K"),
+        Some(13) => unsupported_message("ZSTD"),
+        Some(other) => unsupported_message(&format!("of number {other}")),
         None => format!("cannot be read as an OpenEXR image: {error}"),
     };
     Error::malformed(path, None, message)
@@ -85,7 +86,7 @@ pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -
 
 /// Makes the message about a compression that cannot be decoded. It advises users of Blender, which offers such
 /// compressions.
-fn not_supported(compression: &str) -> String {
+fn unsupported_message(compression: &str) -> String {
     format!("its compression {compression} is not supported; save it with {EXACT} (in Blender, Output, Codec: ZIP)")
 }
 
@@ -107,8 +108,8 @@ fn compression_number(bytes: &[u8]) -> Option<u8> {
 /// A message about a compression that the crate can name and cannot decode.
 pub(super) fn check_compression(header: &Header) -> std::result::Result<(), String> {
     match header.compression {
-        Compression::HTJ2K32 => Err(not_supported("HTJ2K32")),
-        Compression::HTJ2K256 => Err(not_supported("HTJ2K256")),
+        Compression::HTJ2K32 => Err(unsupported_message("HTJ2K32")),
+        Compression::HTJ2K256 => Err(unsupported_message("HTJ2K256")),
         _ => Ok(()),
     }
 }
@@ -134,7 +135,7 @@ fn check_exact(header: &Header) -> std::result::Result<(), String> {
 ///
 /// # Errors
 /// [`Error::Malformed`] with the first pixel whose value is wrong.
-pub(super) fn check(
+pub(super) fn check_values(
     path: &Path,
     (width, pixel): (u32, &str),
     channel: &str,
@@ -200,6 +201,14 @@ impl<'a> ExrChannels<'a> {
         self.channels.remove(name).filter(|values| values.len() == count)
     }
 
+    /// Removes the channel `sky` and returns the surface of each pixel: sky where the channel is above ½. Without the
+    /// channel, every surface is lit.
+    pub fn take_surfaces(&mut self) -> Vec<Surface> {
+        let surface = |sky: f32| if sky > 0.5 { Surface::Sky } else { Surface::Lit };
+        let count = self.width as usize * self.height as usize;
+        self.take("sky").map_or(vec![Surface::Lit; count], |values| values.into_iter().map(surface).collect())
+    }
+
     /// Removes a channel and returns its values, or an error if it is missing.
     pub fn required(&mut self, name: &str) -> Result<Vec<f32>> {
         self.take(name).ok_or_else(|| Error::malformed(self.path, None, format!("channel {name} is missing")))
@@ -236,7 +245,18 @@ pub(super) fn encode(
     Ok(bytes.into_inner())
 }
 
+/// Returns the channel `sky`, which is 1 where a surface shows the sky and 0 elsewhere; `None` if no surface shows it.
+pub(super) fn sky_channel(surfaces: &[Surface]) -> Option<(&'static str, Vec<f32>)> {
+    let value = |surface: &Surface| if *surface == Surface::Sky { 1.0 } else { 0.0 };
+    surfaces.contains(&Surface::Sky).then(|| ("sky", surfaces.iter().map(value).collect()))
+}
+
+/// Returns the channels of the components of vectors, with the given names.
+pub(super) fn vector_channels(names: [&'static str; 3], vectors: &[Vec3]) -> [(&'static str, Vec<f32>); 3] {
+    [0, 1, 2].map(|component| (names[component], components(vectors, component)))
+}
+
 /// Returns one component (0 to 2) of each vector, as a channel.
-pub(super) fn axis(vectors: &[Vec3], component: usize) -> Vec<f32> {
+pub(super) fn components(vectors: &[Vec3], component: usize) -> Vec<f32> {
     vectors.iter().map(|v| v[component]).collect()
 }

@@ -54,7 +54,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let read = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     let read = if is_small { read.non_parallel() } else { read };
     let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
-    image.layer_data.into_iter().map(|layer| part(layer, &image.attributes).map_err(wrong)).collect()
+    image.layer_data.into_iter().map(|layer| part_of_layer(layer, &image.attributes).map_err(wrong)).collect()
 }
 
 /// Checks the compression of a part, and that the part covers the whole image.
@@ -71,7 +71,7 @@ fn check_part(header: &Header) -> std::result::Result<(), String> {
 ///
 /// # Errors
 /// A message about a layer that does not cover the display window.
-fn part(
+fn part_of_layer(
     layer: Layer<exr::image::AnyChannels<FlatSamples>>,
     image: &ImageAttributes,
 ) -> std::result::Result<ExrPart, String> {
@@ -96,13 +96,13 @@ fn part(
         name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
         size: window.size.map(|side| side as u32),
         channels: layer.channel_data.list.into_iter().map(channel).collect(),
-        attributes: attributes(layer.attributes, image),
+        attributes: named_attributes(layer.attributes, image),
     })
 }
 
 /// Returns the attributes of a layer and of its image by their names. The crate has fields for the attributes that the
 /// format defines. Among these, only the attributes of a camera are included.
-fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
+fn named_attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
     use AttributeValue::{F32, Matrix4x4};
     let known = [
         ("worldToCamera", layer.world_to_camera.map(Matrix4x4)),

@@ -66,8 +66,8 @@ impl ImageWindow {
     /// are returned unchanged.
     pub(super) fn crop(&self, values: Vec<f32>) -> Vec<f32> {
         let Self { stored_width, first: [x, y], size: [width, height] } = *self;
-        let is_all = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;
-        if is_all || stored_width == 0 || values.len() < stored_width * (y + height) {
+        let is_whole = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;
+        if is_whole || stored_width == 0 || values.len() < stored_width * (y + height) {
             return values;
         }
         let rows = values.chunks_exact(stored_width).skip(y).take(height);
@@ -93,8 +93,8 @@ mod tests {
         let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 2) };
         for (position, stored) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))]
         {
-            let said = ImageWindow::new(position, stored, window).unwrap_err();
-            assert!(said.ends_with("only whole images can be read"), "{said}");
+            let message = ImageWindow::new(position, stored, window).unwrap_err();
+            assert!(message.ends_with("only whole images can be read"), "{message}");
         }
     }
 }

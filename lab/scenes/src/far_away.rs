@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// Greatest ratio of a scene's distance from the origin to its size at which 32-bit floats keep the details: their
 /// steps are then finer than 1 / 16,000 of the size.
-const MOST_SIZES: f64 = 1024.0;
+const MOST_SIZES_AWAY: f64 = 1024.0;
 
 /// A scene that must be moved to its own centre.
 pub(super) struct FarScene {
@@ -19,7 +19,7 @@ pub(super) struct FarScene {
 /// its size, else `None`.
 pub(super) fn far_origin([min, max]: [DVec3; 2]) -> Option<FarScene> {
     let (centre, size) = (0.5 * (min + max), (max - min).length());
-    let is_far = centre.is_finite() && centre.length() > MOST_SIZES * size && size > 0.0;
+    let is_far = centre.is_finite() && centre.length() > MOST_SIZES_AWAY * size && size > 0.0;
     is_far.then(|| FarScene { centre: if size < 1.0 { centre } else { centre.round() }, size })
 }
 

@@ -14,10 +14,10 @@
 //! projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection
 //! exactly. If a file lacks them, the projection is taken from its matrix.
 
-use super::exr_channels::{self, ExrChannels, axis, check};
+use super::exr_channels::{self, ExrChannels, check_values, components, vector_channels};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
 use super::projection::ReadProjection;
-use super::{Camera, FieldOfView, GBufferData, Lens, Projection, ProjectionKind, Surface};
+use super::{Camera, FieldOfView, GBufferData, Lens, Projection, ProjectionKind};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
 use exr::prelude::Text;
@@ -32,21 +32,14 @@ use std::path::Path;
 /// [`Error::Malformed`] if the format cannot hold the G-buffer. `path` is only used to name the file in the error.
 pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let mut channels = vec![
-        ("R", axis(&gbuffer.color, 0)),
-        ("G", axis(&gbuffer.color, 1)),
-        ("B", axis(&gbuffer.color, 2)),
         ("depth", gbuffer.depth.clone()),
         ("Z", gbuffer.depth.iter().map(|depth| view_z(*depth, &gbuffer.camera.lens)).collect()),
-        ("N.X", axis(&gbuffer.normal, 0)),
-        ("N.Y", axis(&gbuffer.normal, 1)),
-        ("N.Z", axis(&gbuffer.normal, 2)),
         ("roughness", gbuffer.roughness.clone()),
         ("reflectivity", gbuffer.reflectivity.clone()),
     ];
-    let sky: Vec<f32> = gbuffer.surface.iter().map(|surface| f32::from(u8::from(*surface == Surface::Sky))).collect();
-    if sky.contains(&1.0) {
-        channels.push(("sky", sky));
-    }
+    channels.extend(vector_channels(["R", "G", "B"], &gbuffer.color));
+    channels.extend(vector_channels(["N.X", "N.Y", "N.Z"], &gbuffer.normal));
+    channels.extend(exr_channels::sky_channel(&gbuffer.surface));
     let camera = &gbuffer.camera;
     let mut attributes =
         LayerAttributes { world_to_camera: Some(camera.world_to_view.to_cols_array()), ..LayerAttributes::default() };
@@ -54,16 +47,16 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         FieldOfView::Angle(fov) => ("fovYRadians", AttributeValue::F32(fov)),
         FieldOfView::Height(height) => ("orthographicHeight", AttributeValue::F32(height)),
     };
+    let matrix = ("viewToClip", AttributeValue::Matrix4x4(camera.view_to_clip_reversed().to_cols_array()));
     let numbers = [
-        ("viewToClip", AttributeValue::Matrix4x4(camera.view_to_clip_reversed().to_cols_array())),
         opening,
         ("aspectRatio", AttributeValue::F32(camera.aspect)),
         ("nearPlane", AttributeValue::F32(camera.lens.near_m)),
         ("farPlane", AttributeValue::F32(camera.lens.far_m)),
     ];
     // A projection that is known by its matrix alone is written as the matrix alone, so that it is read back unchanged.
-    let count = if camera.projection.is_some() { 1 } else { numbers.len() };
-    attributes.other.extend(numbers.into_iter().take(count).map(|(name, value)| (name.into(), value)));
+    let numbers = numbers.into_iter().filter(|_| camera.projection.is_none());
+    attributes.other.extend(std::iter::once(matrix).chain(numbers).map(|(name, value)| (name.into(), value)));
     exr_channels::encode([gbuffer.width, gbuffer.height], attributes, channels, path)
 }
 
@@ -87,9 +80,9 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
     let (width, height) = (file.width, file.height);
-    let camera = camera(&file.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
+    let camera = read_camera(&file.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
     let check = |channel: &str, allowed: &str, values: &[f32], is_right: fn(f32) -> bool| {
-        check(path, (width, "pixel"), channel, allowed, values, is_right)
+        check_values(path, (width, "pixel"), channel, allowed, values, is_right)
     };
     let (depth, z) = (file.take("depth"), file.take("Z"));
     let depth = match (depth, z) {
@@ -108,16 +101,15 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         }
         (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
     };
-    let surface_of = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
-    let surface = file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(surface_of).collect());
+    let surface = file.take_surfaces();
     let color = file.vectors(["R", "G", "B"])?;
     let normal = file.vectors(["N.X", "N.Y", "N.Z"])?;
     let roughness = file.required("roughness")?;
     let reflectivity = file.required("reflectivity")?;
     for (component, [colour, direction]) in [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate() {
         let is_color = |value: f32| value.is_finite() && value >= 0.0;
-        check(colour, "a finite number from 0 on", &axis(&color, component), is_color)?;
-        check(direction, "a finite number", &axis(&normal, component), f32::is_finite)?;
+        check(colour, "a finite number from 0 on", &components(&color, component), is_color)?;
+        check(direction, "a finite number", &components(&normal, component), f32::is_finite)?;
     }
     check("roughness", "a number from 0 to 1", &roughness, is_unit)?;
     check("reflectivity", "a number from 0 to 1", &reflectivity, is_unit)?;
@@ -152,7 +144,7 @@ pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
 
 /// Reads the camera from a layer's attributes. `aspect` is the image's width over its height, and is used if the
 /// attributes give no aspect ratio. The error is the message.
-fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
+fn read_camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
     let number = |name: &str| match attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::F32(value)) => Some(*value),
         _ => None,
@@ -165,7 +157,7 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
         ((Some(opening), Some(near_m), Some(far_m)), _) => {
             (Lens { opening, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
         }
-        (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
+        (_, Some(AttributeValue::Matrix4x4(m))) => lens_of_matrix(&Mat4::from_cols_array(m))?,
         _ => {
             return Err(
                 "the projection is missing: neither viewToClip nor fovYRadians (or orthographicHeight), nearPlane and \
@@ -188,7 +180,7 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
 
 /// Reads a projection matrix with reversed depth. Returns its lens, its aspect ratio and its numbers as a
 /// [`Projection`], or a message if the matrix cannot be used.
-fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
+fn lens_of_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
     let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
     if read.axis_signs != Vec3::ONE || !read.is_reversed {
         return Err("viewToClip is not a left-handed projection with reversed depth".into());
@@ -207,6 +199,7 @@ const INFINITE_FAR: f32 = 1e7;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Surface;
     use exr::meta::MetaData;
 
     /// Makes a G-buffer of 3 × 2 pixels whose depths, normals and colours differ.
@@ -229,7 +222,7 @@ mod tests {
 
     /// Writes a G-buffer into a new folder. Returns the folder, which is deleted when it is dropped, and the path of
     /// the file.
-    fn written(gbuffer: &GBufferData) -> (tempfile::TempDir, std::path::PathBuf) {
+    fn write_to_folder(gbuffer: &GBufferData) -> (tempfile::TempDir, std::path::PathBuf) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("g.exr");
         std::fs::write(&path, encode(gbuffer, &path).expect("encodes")).expect("writes");
@@ -250,7 +243,7 @@ mod tests {
         };
         by_numbers.camera = Camera::of_projection(parallel.camera.world_to_view, numbers);
         for gbuffer in [perspective, parallel, by_numbers] {
-            let (_folder, path) = written(&gbuffer);
+            let (_folder, path) = write_to_folder(&gbuffer);
             assert!(load(&path).expect("loads") == gbuffer);
         }
     }
@@ -261,7 +254,7 @@ mod tests {
         let mut window = sample();
         window.surface[4] = Surface::Sky;
         let has_channel = |gbuffer: &GBufferData| {
-            let (_folder, path) = written(gbuffer);
+            let (_folder, path) = write_to_folder(gbuffer);
             assert!(load(&path).expect("loads") == *gbuffer);
             let meta = MetaData::read_from_file(&path, false).expect("a header");
             meta.headers[0].channels.list.iter().any(|channel| channel.name == *"sky")
@@ -272,7 +265,7 @@ mod tests {
     #[test]
     fn the_matrix_alone_and_view_z_alone_are_enough() {
         let gbuffer = sample();
-        let (lens, aspect, _) = from_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
+        let (lens, aspect, _) = lens_of_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
         let expected = gbuffer.camera.lens;
         let parallel = Lens::orthographic(7.0, 0.5, 50.0);
         assert!((lens.near_m - expected.near_m).abs() < 1e-6 && (lens.far_m - expected.far_m).abs() < 1e-3);
@@ -285,12 +278,12 @@ mod tests {
             }
         }
         assert_eq!(reversed_depth(0.0, &expected), 0.0, "sky");
-        assert!(from_matrix(&gbuffer.camera.view_to_clip().transpose()).is_err());
+        assert!(lens_of_matrix(&gbuffer.camera.view_to_clip().transpose()).is_err());
     }
 
     #[test]
     fn broken_files_give_errors() {
-        let (folder, path) = written(&sample());
+        let (folder, path) = write_to_folder(&sample());
         let bytes = std::fs::read(&path).expect("reads");
         for (name, content) in [
             ("empty", &bytes[..0]),

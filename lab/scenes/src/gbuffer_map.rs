@@ -117,7 +117,7 @@ impl GBufferMap {
         if sections.color.is_empty() {
             return Err(Error::malformed(path, None, "there is no [[color]]"));
         }
-        let reflectivity = reflectivity(&text, &mut sections)?;
+        let reflectivity = take_reflectivity(&text, &mut sections)?;
         let color =
             sections.color.into_iter().map(|section| MapColour::take(MapKeys::new(&text, "[[color]]", section)));
         let map = Self {
@@ -125,10 +125,10 @@ impl GBufferMap {
             bottom_up: sections.origin == MapOrigin::BottomLeft,
             view: sections.view,
             conventions: MapConventions::take(MapKeys::or_empty(&text, "[conventions]", sections.conventions))?,
-            camera: MapCamera::take(needed(&text, "[camera]", sections.camera)?)?,
-            depth: MapDepth::take(needed(&text, "[depth]", sections.depth)?)?,
-            normals: MapNormals::take(needed(&text, "[normal]", sections.normal)?)?,
-            roughness: MapRoughness::take(needed(&text, "[roughness]", sections.roughness)?)?,
+            camera: MapCamera::take(required_keys(&text, "[camera]", sections.camera)?)?,
+            depth: MapDepth::take(required_keys(&text, "[depth]", sections.depth)?)?,
+            normals: MapNormals::take(required_keys(&text, "[normal]", sections.normal)?)?,
+            roughness: MapRoughness::take(required_keys(&text, "[roughness]", sections.roughness)?)?,
             reflectivity,
             color: color.collect::<Result<_>>()?,
             sky: sections.sky.map(|sky| MapSky::take(MapKeys::new(&text, "[sky]", sky))).transpose()?,
@@ -137,11 +137,11 @@ impl GBufferMap {
                 .map(|position| MapPosition::take(MapKeys::new(&text, "[position]", position)))
                 .transpose()?,
         };
-        if map.position.as_ref().is_some_and(MapPosition::need_world) && !map.camera.has_place() {
+        if map.position.as_ref().is_some_and(MapPosition::are_in_world) && !map.camera.has_place() {
             let message = "[camera]: places in world space need the camera's place, as normals in world space do";
             return Err(Error::malformed(path, Some(map.camera.line), message));
         }
-        if map.normals.need_world() && !map.camera.has_place() {
+        if map.normals.are_in_world() && !map.camera.has_place() {
             let message = "[camera]: normals in world space need the camera's place: world-to-view, view-to-world, or \
                            eye with look-at or forward";
             return Err(Error::malformed(path, Some(map.camera.line), message));
@@ -165,7 +165,7 @@ impl GBufferMap {
         let planes = self.depth.read(&mut files)?;
         let [width, height] = files.size();
         let (camera, coding) = self.camera.get(&self.conventions, &self.depth, &mut files)?;
-        let depth = self.depth.reversed(&planes, &camera, coding, self.conventions.metres, [width, height])?;
+        let depth = self.depth.to_reversed(&planes, &camera, coding, self.conventions.metres, [width, height])?;
         let normal = self.normals.read(&mut files, &self.conventions, &camera, &depth)?;
         let roughness = self.roughness.read(&mut files, &depth)?;
         let mut reflectivity = self.reflectivity.read(&mut files, &depth)?;
@@ -180,7 +180,7 @@ impl GBufferMap {
             Some(sky) => sky.read(&mut files)?,
             None => vec![Surface::Lit; depth.len()],
         };
-        files.finish()?;
+        files.check_main_is_used()?;
         Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
     }
 }
@@ -193,13 +193,13 @@ fn pixel_ndc([width, height]: [u32; 2], pixel: usize) -> DVec2 {
 }
 
 /// Returns the keys of a required section, or an error if the map lacks it. `name` names the section, as in "[depth]".
-fn needed<'a>(text: &'a SourceText, name: &str, section: Option<MapSection>) -> Result<MapKeys<'a>> {
+fn required_keys<'a>(text: &'a SourceText, name: &str, section: Option<MapSection>) -> Result<MapKeys<'a>> {
     let missing = || Error::malformed(text.path, None, format!("there is no {name}"));
     Ok(MapKeys::new(text, name, section.ok_or_else(missing)?))
 }
 
 /// Takes the sections of the reflectivity: `[reflectivity]`, or `[metallic]` with `[base-color]` and optionally `[f0]`.
-fn reflectivity(text: &SourceText, sections: &mut Sections) -> Result<MapReflectivity> {
+fn take_reflectivity(text: &SourceText, sections: &mut Sections) -> Result<MapReflectivity> {
     let [base, f0] = [sections.base_color.take(), sections.f0.take()];
     match (sections.reflectivity.take(), sections.metallic.take()) {
         (Some(given), None) => {
@@ -213,7 +213,7 @@ fn reflectivity(text: &SourceText, sections: &mut Sections) -> Result<MapReflect
             MapReflectivity::given(MapKeys::new(text, "[reflectivity]", given))
         }
         (None, Some(metallic)) => {
-            let base = needed(text, "[base-color]", base)?;
+            let base = required_keys(text, "[base-color]", base)?;
             let f0 = f0.map(|f0| MapKeys::new(text, "[f0]", f0));
             MapReflectivity::metallic(MapKeys::new(text, "[metallic]", metallic), base, f0)
         }

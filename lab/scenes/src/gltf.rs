@@ -32,7 +32,7 @@ pub const MAX_FILE_BYTES: u64 = u32::MAX as u64;
 pub const MAX_TRIANGLES: usize = 20_000_000;
 
 /// Extensions that are read.
-const READ: [&str; 12] = [
+const READ_EXTENSIONS: [&str; 12] = [
     nodes::INSTANCING,
     compression::NAMES[0],
     document::WEBP,
@@ -86,7 +86,7 @@ pub fn is_named(path: &Path) -> bool {
 /// larger than [`MAX_FILE_BYTES`]. [`Error::Usage`](ssct_ground::Error::Usage) for options out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
-    if let Some(sentence) = chosen(&scene) {
+    if let Some(sentence) = chosen_defaults(&scene) {
         scene.notes.push(format!("{}: {sentence}", path.display()));
     }
     if scene.views.is_empty() {
@@ -100,7 +100,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 }
 
 /// Says in words which light or view is chosen for a file without lights or cameras; `None` for a file with both.
-fn chosen(scene: &Scene) -> Option<String> {
+fn chosen_defaults(scene: &Scene) -> Option<String> {
     let light = "one directional light shines from above";
     let view = "the view shows all of the scene";
     match (scene.lights.is_empty(), scene.views.is_empty()) {
@@ -123,7 +123,7 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
     let data = Data::new(path, &document, blob)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let mut scene = Scene { name, ..Scene::default() };
-    let used = nodes::place((&data, &animations), (options.scale, origin), &mut scene, &mut notes)?;
+    let used = nodes::place(&data, &animations, options.scale, origin, &mut scene, &mut notes)?;
     materials::attach(&data, &used, options.texture_side, &mut scene, &mut notes);
     scene.lens = viewpoint::lens(scene.bounds());
     scene.warnings = notes.sentences;

@@ -70,9 +70,9 @@ impl PathInFolder {
     pub fn read(&self) -> Result<Option<Vec<u8>>> {
         let Some(file) = self.open()? else { return Ok(None) };
         let mut bytes = Vec::new();
-        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| self.failed("read", e))?;
+        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| self.io_error("read", e))?;
         if bytes.len() as u64 > MOST_BYTES {
-            return Err(self.wrong(&format!("is too large; at most {MOST_BYTES} bytes are read")));
+            return Err(self.malformed(&format!("is too large; at most {MOST_BYTES} bytes are read")));
         }
         Ok(Some(bytes))
     }
@@ -82,7 +82,7 @@ impl PathInFolder {
     /// # Errors
     /// The errors of [`PathInFolder::read`], and [`Error::Io`] if the file does not exist.
     pub fn bytes(&self) -> Result<Vec<u8>> {
-        self.read()?.ok_or_else(|| self.failed("read", ErrorKind::NotFound.into()))
+        self.read()?.ok_or_else(|| self.io_error("read", ErrorKind::NotFound.into()))
     }
 
     /// Opens a regular file; `None` if it does not exist.
@@ -100,7 +100,7 @@ impl PathInFolder {
         });
         match opened {
             Ok(Some(file)) if file.metadata().is_ok_and(|metadata| metadata.is_file()) => Ok(Some(file.into_std())),
-            Ok(_) => Err(self.wrong("is no file; only regular files are read")),
+            Ok(_) => Err(self.malformed("is no file; only regular files are read")),
             Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => Ok(None),
             Err(e) => Err(e),
         }
@@ -145,7 +145,7 @@ impl PathInFolder {
     pub fn write(&self, bytes: &[u8]) -> Result<()> {
         let temporary = self.name.with_file_name(temporary_name());
         self.within(true, |folder, name| {
-            make_all(folder, name.parent())?;
+            create_folders(folder, name.parent())?;
             let write_and_rename = || {
                 let mut file = folder.open_with(&temporary, OpenOptions::new().write(true).create_new(true))?;
                 file.write_all(bytes)?;
@@ -163,7 +163,7 @@ impl PathInFolder {
         let is_link =
             |folder: &Dir, name: &Path| Ok(folder.symlink_metadata(name).is_ok_and(|metadata| metadata.is_symlink()));
         if self.within(true, is_link)? {
-            return Err(self.wrong("is a link, which is not followed"));
+            return Err(self.malformed("is a link, which is not followed"));
         }
         let file = self.within(true, |folder, name| {
             let mut options = OpenOptions::new();
@@ -171,7 +171,7 @@ impl PathInFolder {
             folder.open_with(name, &options)
         })?;
         if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
-            return Err(self.wrong("is no file; only regular files are written"));
+            return Err(self.malformed("is no file; only regular files are written"));
         }
         Ok(file.into_std())
     }
@@ -181,7 +181,7 @@ impl PathInFolder {
     /// # Errors
     /// [`Error::Io`] if the folder cannot be made, [`Error::Malformed`] if it leads out of its folder.
     pub fn make(&self) -> Result<()> {
-        self.within(true, |folder, name| make_all(folder, Some(name)))
+        self.within(true, |folder, name| create_folders(folder, Some(name)))
     }
 
     /// Checks that files can be written into the folder, by making a temporary file there and removing it.
@@ -199,33 +199,33 @@ impl PathInFolder {
         })
     }
 
-    /// Calls `act` with the opened root and the name below it. If `make` is true, a missing root is made first, and
-    /// errors speak of writing, not of reading.
-    fn within<T>(&self, make: bool, act: impl FnOnce(&Dir, &Path) -> IoResult<T>) -> Result<T> {
+    /// Calls `act` with the opened root and the name below it. If `is_writing` is true, a missing root is made first,
+    /// and errors speak of writing, not of reading.
+    fn within<T>(&self, is_writing: bool, act: impl FnOnce(&Dir, &Path) -> IoResult<T>) -> Result<T> {
         let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
         if !self.name.components().all(is_plain) {
-            return Err(self.wrong("leads out of its folder"));
+            return Err(self.malformed("leads out of its folder"));
         }
-        let action = if make { "write" } else { "read" };
+        let action = if is_writing { "write" } else { "read" };
         let root = if self.root.as_os_str().is_empty() { Path::new(".") } else { &self.root };
-        if make {
+        if is_writing {
             std::fs::create_dir_all(root).map_err(|e| Error::io("create the folder", root, e))?;
         }
         let folder = Dir::open_ambient_dir(root, ambient_authority()).map_err(|e| Error::io(action, root, e))?;
-        act(&folder, &self.name).map_err(|e| self.failed(action, e))
+        act(&folder, &self.name).map_err(|e| self.io_error(action, e))
     }
 
     /// Makes an error about this file or folder from a message.
-    fn wrong(&self, message: &str) -> Error {
+    fn malformed(&self, message: &str) -> Error {
         Error::malformed(self.path(), None, message)
     }
 
     /// Makes an error about this file or folder from an error `e` during `action`, such as "read".
-    fn failed(&self, action: &'static str, e: std::io::Error) -> Error {
+    fn io_error(&self, action: &'static str, e: std::io::Error) -> Error {
         // A path that leads out of the folder is refused by the library itself, so that the error has no number of the
         // system.
         if e.kind() == ErrorKind::PermissionDenied && e.raw_os_error().is_none() {
-            return self.wrong("is a link that leads out of its folder, which is not followed");
+            return self.malformed("is a link that leads out of its folder, which is not followed");
         }
         Error::io(action, self.path(), e)
     }
@@ -233,7 +233,7 @@ impl PathInFolder {
 
 /// Makes the folder `name` below `folder`, and all folders between them. No name, or an empty one, means `folder`
 /// itself, which exists.
-fn make_all(folder: &Dir, name: Option<&Path>) -> IoResult<()> {
+fn create_folders(folder: &Dir, name: Option<&Path>) -> IoResult<()> {
     let Some(name) = name.filter(|name| !name.as_os_str().is_empty()) else { return Ok(()) };
     folder.create_dir_all(name).or_else(|e| match e.kind() {
         // Something that is no folder may have the name, or a link to a folder. Opening it as a folder gives the right
@@ -271,7 +271,7 @@ mod tests {
     use super::*;
 
     /// Returns the message of an error; empty if there is no error.
-    fn said<T>(outcome: Result<T>) -> String {
+    fn message<T>(outcome: Result<T>) -> String {
         outcome.err().map(|e| e.to_string()).unwrap_or_default()
     }
 
@@ -301,8 +301,8 @@ mod tests {
             .and_then(|mut log| log.write_all(b"2").map_err(|e| Error::io("write", "log", e)))
             .expect("2");
         assert_eq!(inside.join("log").bytes().expect("there"), b"12");
-        assert!(said(inside.join("b").bytes()).contains("is no file"));
-        assert!(said(inside.join("none").bytes()).contains("cannot read"));
+        assert!(message(inside.join("b").bytes()).contains("is no file"));
+        assert!(message(inside.join("none").bytes()).contains("cannot read"));
         inside.check_writable().expect("it is");
         assert_eq!(names(&inside), ["b", "log"]);
     }
@@ -318,7 +318,7 @@ mod tests {
             let place = inside.join(name);
             for outcome in [place.write(b"x"), place.read().map(drop), place.append().map(drop), place.list().map(drop)]
             {
-                assert!(said(outcome).contains("leads out of its folder"), "{name:?}");
+                assert!(message(outcome).contains("leads out of its folder"), "{name:?}");
             }
         }
         assert_eq!(std::fs::read(absolute).expect("there"), b"kept");
@@ -340,12 +340,13 @@ mod tests {
             symlink(to, root.join(name)).expect("a link");
         }
         for name in ["link", "folder/outside", "device"] {
-            assert!(said(inside.join(name).bytes()).contains("leads out of its folder"), "{name}");
+            assert!(message(inside.join(name).bytes()).contains("leads out of its folder"), "{name}");
         }
         assert_eq!(inside.join("within").bytes().expect("a link that stays"), b"own");
-        assert!(said(inside.join("folder/new").write(b"x")).contains("leads out of its folder"));
+        assert!(message(inside.join("folder/new").write(b"x")).contains("leads out of its folder"));
         for name in ["link", "within", "broken"] {
-            assert!(said(inside.join(name).append()).contains("link"), "{name}: {}", said(inside.join(name).append()));
+            let refusal = message(inside.join(name).append());
+            assert!(refusal.contains("link"), "{name}: {refusal}");
         }
         // Writing replaces a link by a file.
         inside.join("link").write(b"new").expect("written");

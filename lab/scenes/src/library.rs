@@ -171,7 +171,7 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     }
     let images: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
     let mut textures = Vec::new();
-    let mut index_of = |texture| {
+    let mut add_texture = |texture| {
         textures.push(texture);
         textures.len() - 1
     };
@@ -179,10 +179,10 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
         .into_iter()
         .map(|maps| {
             maps.map(|maps| Maps {
-                albedo: index_of(maps.albedo),
-                normal: maps.normal.map(&mut index_of),
-                mask: maps.mask.map(&mut index_of),
-                reflectivity: maps.reflectivity.map(&mut index_of),
+                albedo: add_texture(maps.albedo),
+                normal: maps.normal.map(&mut add_texture),
+                mask: maps.mask.map(&mut add_texture),
+                reflectivity: maps.reflectivity.map(&mut add_texture),
             })
         })
         .collect();

@@ -8,6 +8,7 @@ use super::material_terms;
 use glam::{DVec2, DVec4, Vec3};
 use ssct_geometry::texture::{self, Encoding, Texture, luminance};
 use ssct_ground::math;
+use std::borrow::Borrow;
 
 /// The factors of a material on which its colours depend.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,20 +86,12 @@ impl Factors {
 
 /// Makes an image as large as the largest input. The function `texel` computes its bytes from the values of all inputs
 /// at the texel's place; a missing input is white.
-pub(super) fn texels<const N: usize>(
-    inputs: &[Option<Texture>; N],
+pub(super) fn bake_texels<T: Borrow<Texture>, const N: usize>(
+    inputs: &[Option<T>; N],
     encoding: Encoding,
     texel: impl Fn([DVec4; N]) -> [u8; 4],
 ) -> Texture {
-    texels_of(&inputs.each_ref().map(Option::as_ref), encoding, texel)
-}
-
-/// Makes an image like [`texels`], from borrowed images.
-pub(super) fn texels_of<const N: usize>(
-    inputs: &[Option<&Texture>; N],
-    encoding: Encoding,
-    texel: impl Fn([DVec4; N]) -> [u8; 4],
-) -> Texture {
+    let inputs = inputs.each_ref().map(|input| input.as_ref().map(Borrow::<Texture>::borrow));
     let images = || inputs.iter().flatten();
     let width = images().map(|image| image.width).max().unwrap_or(1);
     let height = images().map(|image| image.height).max().unwrap_or(1);

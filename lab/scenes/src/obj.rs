@@ -112,7 +112,7 @@ fn load_file(
     options: &ObjOptions,
     origin: &mut Option<DVec3>,
     scene: &mut Scene,
-    sources: &mut Vec<images::Source>,
+    sources: &mut Vec<images::MaterialSource>,
 ) -> Result<()> {
     let bytes = read_limited(&file.path)?;
     let text = decode(&file.path, &bytes)?;
@@ -120,11 +120,11 @@ fn load_file(
     drop(text);
     drop(bytes);
     let names = statements.material_names.clone();
-    let statements_lack_library = statements.libraries.is_empty() && names.iter().any(|name| name != text::NO_MATERIAL);
+    let lacks_library = statements.libraries.is_empty() && names.iter().any(|name| name != text::NO_MATERIAL);
     let definitions = mtl::read_libraries(&file.path, &statements.libraries, &mut scene.warnings)?;
     let parts = polygons::build(&file.path, statements, options, &mut scene.warnings)?;
 
-    if statements_lack_library {
+    if lacks_library {
         let message = "uses materials but names no MTL file; the materials are white";
         scene.warnings.push(format!("{}: {message}", file.path.display()));
     }
@@ -158,7 +158,7 @@ fn load_file(
                 ..reading.as_ref().map_or_else(Default::default, |reading| reading.material.clone())
             });
             let images = definition.map(mtl::Definition::images).unwrap_or_default();
-            sources.push(images::Source { images, reading });
+            sources.push(images::MaterialSource { images, reading });
         }
     }
     let material_of = |part: &assemble::MeshPart| scene_index[part.material].unwrap_or_default();

@@ -15,8 +15,7 @@ pub use ssct_ground::scene::path::{CameraPath, KeyFrame, VIEWS};
 /// `"left"`), and `[[key]]` tables with `eye`, `look_at` and, in all of them or in none, `time` in seconds.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
-/// wrong.
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is wrong.
 pub fn load(path: &Path) -> Result<CameraPath> {
     parse(&source_text::read(path, "a path file", MAX_FILE_BYTES)?, path)
 }
@@ -28,7 +27,7 @@ pub fn load(path: &Path) -> Result<CameraPath> {
 pub fn parse(text: &str, path: &Path) -> Result<CameraPath> {
     let source = SourceText { path, text };
     let file: PathFile = source.deserialized()?;
-    source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0, file.coordinates)
+    source.camera_path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0, file.coordinates)
 }
 
 /// Returns the text of a path file, in right-handed coordinates, which are also the default of scene files.
@@ -77,7 +76,7 @@ pub(super) struct KeySection {
 impl SourceText<'_> {
     /// Makes a path from the sections of a file. Its points are multiplied by `extra_scale`. Errors name the line of
     /// the faulty section.
-    pub(super) fn path(
+    pub(super) fn camera_path(
         &self,
         name: &str,
         sections: &[Spanned<KeySection>],
@@ -91,9 +90,11 @@ impl SourceText<'_> {
             Ok(KeyFrame { eye, look_at, time_s: *time })
         };
         let keys = sections.iter().map(key).collect::<Result<Vec<_>>>()?;
-        CameraPath::joined(name, keys).map_err(|(index, message)| match index.and_then(|index| sections.get(index)) {
-            Some(section) => self.error(section.span(), message),
-            None => Error::malformed(self.path, None, format!("path {name}: {message}")),
+        CameraPath::through_keys(name, keys).map_err(|(index, message)| {
+            match index.and_then(|index| sections.get(index)) {
+                Some(section) => self.error(section.span(), message),
+                None => Error::malformed(self.path, None, format!("path {name}: {message}")),
+            }
         })
     }
 }

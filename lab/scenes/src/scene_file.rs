@@ -26,7 +26,7 @@ use std::path::Path;
 use toml::Spanned;
 
 /// The name that stands for all materials without an entry, both in `[material.NAME]` and in a view's `materials`.
-const DEFAULT: &str = "default";
+const DEFAULT_MATERIAL: &str = "default";
 
 /// Loads a scene file and the files that it names, whose paths are relative to its folder.
 ///
@@ -61,13 +61,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     };
     // The default lens is in metres, so that the scale of the options changes its planes, too.
     let default_lens = Lens::default().scaled(extra_scale);
-    let lens = source.lens(&sections.camera, (default_lens, extra_scale), 0..0)?;
+    let lens = source.lens(&sections.camera, default_lens, extra_scale, 0..0)?;
     let lights = sections.light.iter().map(|section| source.light(section, extra_scale));
     let lights = lights.collect::<Result<Vec<_>>>()?;
-    let note = sections.note(path);
+    let note = sections.assumption_note(path);
     let views = source.views(sections.view, lens, extra_scale)?;
     let views_of_file = views.len();
-    let paths = sections.path.iter().map(|(name, path)| source.path(name, &path.key, extra_scale, coordinates));
+    let paths = sections.path.iter().map(|(name, path)| source.camera_path(name, &path.key, extra_scale, coordinates));
     let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
     let files = source.meshes(sections.mesh)?;
@@ -111,7 +111,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     scene.paths = paths;
     for (name, section) in &sections.motion {
-        let motion = source.motion(name, section, &scene, (extra_scale, coordinates))?;
+        let motion = source.motion(name, section, &scene, extra_scale, coordinates)?;
         scene.motions.push(motion);
     }
     if probes.is_empty() {
@@ -212,12 +212,12 @@ impl Sections {
 
     /// Returns a note about a scene file whose positions are read as right-handed only because its OBJ files are;
     /// `None` for any other file. Before the key `coordinates` existed, such positions were read as left-handed.
-    fn note(&self, path: &Path) -> Option<String> {
+    fn assumption_note(&self, path: &Path) -> Option<String> {
         let has_places = !(self.view.is_empty() && self.light.is_empty() && self.path.is_empty());
         let is_assumed = self.has_obj() && self.coordinates.is_none() && self.handedness == Some(Handedness::Right);
         (has_places && is_assumed).then(|| {
             let path = path.display();
-            let (right, left) = (Handedness::Right.key(), Handedness::Left.key());
+            let (right, left) = (Handedness::Right.toml_line(), Handedness::Left.toml_line());
             format!(
                 "{path}: its places are read as right-handed, as its OBJ files are; write {right} if that is right, or {left} if they are left-handed"
             )
@@ -335,7 +335,7 @@ impl SourceText<'_> {
 
     /// Returns the lens `base` with the changes of a section, whose planes and height are multiplied by `scale`. `span`
     /// is the byte range of the section in the file, for errors.
-    fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), span: std::ops::Range<usize>) -> Result<Lens> {
+    fn lens(&self, section: &LensSection, base: Lens, scale: f32, span: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
         if let Some(fov) = &section.fov_y_deg {
             let degrees = self.positive("fov_y_deg", fov)?;
@@ -428,7 +428,7 @@ impl SourceText<'_> {
         let lens_section = LensSection { fov_y_deg, orthographic_height_m, near, far };
         let lens = match lens_section == LensSection::default() {
             true => None,
-            false => Some(self.lens(&lens_section, (base, extra_scale), span)?),
+            false => Some(self.lens(&lens_section, base, extra_scale, span)?),
         };
         let materials = self.changes(materials)?.into_iter().collect();
         Ok(View { name, eye, look_at, lens, materials })
@@ -472,22 +472,22 @@ impl SourceText<'_> {
 /// replaced by the materials that it stands for. Names that no material has add warnings.
 fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
     for material in &mut scene.materials {
-        if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT)) {
+        if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT_MATERIAL)) {
             change.apply(material);
         }
     }
     let names: Vec<String> = scene.materials.iter().map(|material| material.name.clone()).collect();
-    let unknown = |name: &String| name != DEFAULT && !names.contains(name);
+    let is_unknown = |name: &String| name != DEFAULT_MATERIAL && !names.contains(name);
     let place = path.display();
-    for name in changes.keys().filter(|name| unknown(name)) {
+    for name in changes.keys().filter(|name| is_unknown(name)) {
         scene.warnings.push(format!("{place}: [material.{name}] changes nothing: no mesh has this material"));
     }
     for view in &mut scene.views {
-        for (name, _) in view.materials.iter().filter(|(name, _)| unknown(name)) {
+        for (name, _) in view.materials.iter().filter(|(name, _)| is_unknown(name)) {
             let what = format!("changes material {name}, which no mesh has");
             scene.warnings.push(format!("{place}: [view.{}] {what}", view.name));
         }
-        if let Some(index) = view.materials.iter().position(|(name, _)| name == DEFAULT) {
+        if let Some(index) = view.materials.iter().position(|(name, _)| name == DEFAULT_MATERIAL) {
             let (_, change) = view.materials.remove(index);
             let mut others: Vec<String> = names.clone();
             others.retain(|other| view.materials.iter().all(|(name, _)| name != other));

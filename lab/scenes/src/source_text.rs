@@ -70,20 +70,17 @@ impl SourceText<'_> {
             let line = e.span().map_or(String::new(), |span| format!("line {}: ", self.line(span)));
             format!("; {line}{}", clause(e))
         };
-        let message = clause(first) + &others.iter().map(sentence).collect::<String>();
-        match first.span() {
-            Some(span) => self.error(span, message),
-            None => Error::malformed(self.path, None, message),
-        }
+        self.error_like(first, clause(first) + &others.iter().map(sentence).collect::<String>())
     }
 
     /// Makes an error about the syntax or the types of this TOML text.
     pub fn syntax_error(&self, error: &toml::de::Error) -> Error {
-        let message = clause(error);
-        match error.span() {
-            Some(span) => self.error(span, message),
-            None => Error::malformed(self.path, None, message),
-        }
+        self.error_like(error, clause(error))
+    }
+
+    /// Makes an error with another message in the line of `error`, if that is known.
+    fn error_like(&self, error: &toml::de::Error, message: String) -> Error {
+        Error::malformed(self.path, error.span().map(|span| self.line(span)), message)
     }
 }
 

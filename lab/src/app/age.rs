@@ -1,6 +1,6 @@
 //! `ssct age`: error over the age of captures, while things move.
 
-use super::cli::{CommonOptions, DeviceOptions, point, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_point, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
@@ -22,7 +22,7 @@ pub struct AgeOptions {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Widths and heights in pixels; by default 480x270
-    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
     /// Frames of the measurement
     ///
@@ -35,7 +35,7 @@ pub struct AgeOptions {
     /// How far they move from frame to frame, in metres
     ///
     /// The three numbers are along the axes of the world.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub step: Vec3,
     /// Faces renewed in each frame
     ///
@@ -67,12 +67,12 @@ impl StudyOptions for AgeOptions {
         let sizes = resolve::distinct_values_or(&self.size, [480, 270]);
         let setup = self.common.method_options.setup(sizes[0]);
         let names = if self.method.is_empty() { vec![JUDGED.to_owned()] } else { self.method.clone() };
-        let methods = resolve::showing(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
-        if setup.values.given().any(|name| name == "captures_per_frame") {
+        let methods = resolve::leave_out_lacking(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
+        if setup.values.given_names().any(|name| name == "captures_per_frame") {
             let message = "age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
             return Err(Error::usage(message.into()));
         }
-        resolve::meshes(&scene, "--moving", &self.moving)?;
+        resolve::check_meshes(&scene, "--moving", &self.moving)?;
         let study = AgeStudy {
             scene,
             view,

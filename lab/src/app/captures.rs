@@ -114,32 +114,32 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, scene)?;
     let sky = gbuffer::read_sky(&mut stage)?;
-    let (place, inside) = (PathInFolder::folder(folder), Path::new(""));
+    let (target, prefix) = (PathInFolder::folder(folder), Path::new(""));
     let texels_a_face = (sky.side * sky.side) as usize;
     for (face, texels) in sky.texels.chunks_exact(texels_a_face).enumerate() {
-        let file = place.join(capture_file::sky_path(inside, face));
+        let file = target.join(capture_file::sky_path(prefix, face));
         file.write(&capture_file::encode_sky(sky.side, texels, &file.path())?)?;
     }
     let mut pictures = CubePictures::default();
     gbuffer::draw_captures(&mut stage, &materials, captures, |capture, face, data| {
-        let file = capture_file::face_path(inside, capture, face);
-        let to = place.join(&file);
-        to.write(&capture_file::encode_face(&data, &to.path())?)?;
+        let path = capture_file::face_path(prefix, capture, face);
+        let file = target.join(&path);
+        file.write(&capture_file::encode_face(&data, &file.path())?)?;
         pictures.add(face, &data);
         if face + 1 < capture_file::FACES.len() {
             return Ok(());
         }
         // After the last face of a capture, the pictures of its whole cube are written.
         let [color, depth] = std::mem::take(&mut pictures).crosses();
-        color.write_png(place.join(file.with_file_name("color.png")))?;
-        Ok(depth.write_png(place.join(file.with_file_name("depth.png")))?)
+        color.write_png(target.join(path.with_file_name("color.png")))?;
+        Ok(depth.write_png(target.join(path.with_file_name("depth.png")))?)
     })?;
-    // The list comes last, so that a folder with a list has all of its faces.
     // All captures were drawn with this near plane.
     let near_m = common_near_m(captures);
     let drawn: Vec<Capture> = captures.iter().map(|c| Capture { near_m, ..*c }).collect();
     let list = capture_file::encode_list(&drawn, stage.scene().bounds());
-    place.join(capture_file::LIST).write(list.as_bytes())?;
+    // The list is written last, so that a folder with a list has all of its faces.
+    target.join(capture_file::LIST).write(list.as_bytes())?;
     drop(stage);
     gpu.check_validation()?;
     Ok(())

@@ -1,6 +1,6 @@
 //! The flags that several commands share, and those of most commands, each declared once. `resolve` decides what flags mean together.
 
-use super::parameters::{BesideGBufferOptions, MethodOptions, choice};
+use super::parameters::{BesideGBufferOptions, MethodOptions, choice_parser};
 use crate::report::figures::Figure;
 use crate::study::shard::Shard;
 use clap::{Args, Subcommand};
@@ -63,12 +63,12 @@ pub struct SceneOptions {
     ///
     /// It is in the program's own space, which is left-handed, with +y up. A place of an OBJ or glTF file, or of a scene file in
     /// the same coordinates, has the other sign of z there.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "look_at")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "look_at")]
     pub eye: Option<Vec3>,
     /// Point in metres that the camera looks at, with --eye
     ///
     /// It is in the same space as --eye.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<Vec3>,
     /// Vertical field of view in degrees
     ///
@@ -155,7 +155,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "NAME")]
     pub method: Option<String>,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "960x540")]
     pub size: [u32; 2],
     /// Image to write: .png (display) or .exr (linear)
     #[arg(short, long, value_name = "FILE", required_unless_present_any = ["dump", "pixel"])]
@@ -173,7 +173,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
     /// Write a figure of the thesis or the poster instead
-    #[arg(long, value_name = "NUMBER", value_parser = choice::<Figure>(), requires = "output")]
+    #[arg(long, value_name = "NUMBER", value_parser = choice_parser::<Figure>(), requires = "output")]
     pub figure: Option<Figure>,
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long, conflicts_with = "figure")]
@@ -262,7 +262,7 @@ pub struct GBufferExportOptions {
     #[command(flatten)]
     pub device: DeviceOptions,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "960x540")]
     pub size: [u32; 2],
 }
 
@@ -369,7 +369,7 @@ pub struct FiguresOptions {
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Width and height of renders, instead of the printed
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Make only this share of the figures, such as 3/8
     ///
@@ -387,19 +387,19 @@ pub struct FiguresOptions {
 }
 
 /// Parses a size such as `960x540`.
-pub fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
-    let [w, h] = [w, h].map(|v| v.trim().parse::<u32>());
-    match (w, h) {
+    let [width, height] = [w, h].map(|v| v.trim().parse::<u32>());
+    match (width, height) {
         (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
-        (Ok(w), Ok(h)) => Ok([w, h]),
+        (Ok(width), Ok(height)) => Ok([width, height]),
         _ => Err(wrong()),
     }
 }
 
 /// Parses a point such as `1.5,0,-3`.
-pub fn point(text: &str) -> Result<Vec3, String> {
+pub fn parse_point(text: &str) -> Result<Vec3, String> {
     let parts: Vec<_> = text.split(',').map(|v| v.trim().parse::<f32>()).collect();
     match parts[..] {
         [Ok(x), Ok(y), Ok(z)] if Vec3::new(x, y, z).is_finite() => Ok(Vec3::new(x, y, z)),

@@ -95,22 +95,22 @@ enum PathContent {
 
 /// Compares two runs or two images, and writes and prints the result.
 pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
-    let a = sort(&options.first)?;
+    let content = path_content(&options.first)?;
     if let Some(second) = &options.second
-        && sort(second)? != a
+        && path_content(second)? != content
     {
         let message = "compare takes two folders of times, two of shaders or two images, not one of each";
         return Err(Error::usage(message.into()).into());
     }
-    match a {
-        PathContent::Times => times(options),
-        PathContent::Shaders => compiled(options),
-        PathContent::Image => pictures(options),
+    match content {
+        PathContent::Times => compare_times(options),
+        PathContent::Shaders => compare_shaders(options),
+        PathContent::Image => compare_images(options),
     }
 }
 
 /// Finds the kind of records or image that a path holds, by the files of a folder or by the ending of a file's name.
-fn sort(path: &Path) -> Result<PathContent> {
+fn path_content(path: &Path) -> Result<PathContent> {
     let has_extension = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     if path.join(SHADERS).is_file() && !path.join(SAMPLES).is_file() {
         return Ok(PathContent::Shaders);
@@ -126,17 +126,17 @@ fn sort(path: &Path) -> Result<PathContent> {
 }
 
 /// Compares the times of two runs or of two settings. With `--fail-on-slower`, a slower total is an error.
-fn times(options: &CompareOptions) -> anyhow::Result<()> {
+fn compare_times(options: &CompareOptions) -> anyhow::Result<()> {
     let threshold = options.threshold.unwrap_or(THRESHOLD);
     check_threshold(threshold)?;
     let records = match (&options.a, &options.b) {
-        (Some(a), Some(b)) => settings(options, [a, b], threshold)?,
-        _ => runs(options, threshold)?,
+        (Some(a), Some(b)) => compare_settings(options, [a, b], threshold)?,
+        _ => compare_runs(options, threshold)?,
     };
     if let Some(folder) = &options.output {
         report::write_times(&PathInFolder::folder(folder), &records, options.all)?;
     }
-    print(options, || files::json(&records), || report::times(&records, options.all))?;
+    print_result(options, || files::json(&records), || report::times_text(&records, options.all))?;
     let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
     if options.fail_on_slower && slower > 0 {
         anyhow::bail!("{slower} total(s) are slower");
@@ -146,18 +146,21 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
 
 /// Compares the passes that two runs have in common. If they have none, the error says how two settings could be
 /// compared.
-fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
+fn compare_runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
     let (a, b) = (load(&options.first)?, load(options.second()?)?);
     let records = compare::times(&a, &b, threshold);
     if records.iter().all(|r| r.only_in.is_some()) {
         let differs = records.iter().find_map(|r| r.differs.as_ref()).map(|d| format!(": {d}")).unwrap_or_default();
-        // A setting of each run, and whether both settings were timed on the same view, at the same size and roughness.
+        // `is_one_place`: both settings were timed on the same view, at the same size and roughness.
         let advice = |([setting_a, setting_b], is_one_place): ([String; 2], bool)| {
             let by_name = format!("ssct compare {} {} --a \"{setting_a}\" --b \"{setting_b}\"", a.name, b.name);
-            let in_turns = format!(
-                ", and better in turns of one run, ssct time --variant \"{setting_a}\" --variant \"{setting_b}\""
-            );
-            let in_turns = if is_one_place { in_turns } else { String::new() };
+            let in_turns = if is_one_place {
+                format!(
+                    ", and better in turns of one run, ssct time --variant \"{setting_a}\" --variant \"{setting_b}\""
+                )
+            } else {
+                String::new()
+            };
             format!("; two settings are compared by their names, {by_name}{in_turns}")
         };
         let advice = compare::named_settings(&a, &b).map(advice).unwrap_or_default();
@@ -167,7 +170,11 @@ fn runs(options: &CompareOptions, threshold: f64) -> anyhow::Result<Vec<TimeComp
 }
 
 /// Compares two settings of one run or of two; a run that is named twice counts as one.
-fn settings(options: &CompareOptions, chosen: [&Selection; 2], threshold: f64) -> anyhow::Result<Vec<TimeComparison>> {
+fn compare_settings(
+    options: &CompareOptions,
+    chosen: [&Selection; 2],
+    threshold: f64,
+) -> anyhow::Result<Vec<TimeComparison>> {
     let a = load(&options.first)?;
     let other = options.second.as_deref().filter(|second| **second != *options.first).map(load).transpose()?;
     compare::settings(&a, other.as_ref().unwrap_or(&a), chosen, threshold).map_err(anyhow::Error::msg)
@@ -196,26 +203,25 @@ fn load(path: &Path) -> Result<Run> {
 }
 
 /// Compares the compiled programs of two folders.
-fn compiled(options: &CompareOptions) -> anyhow::Result<()> {
+fn compare_shaders(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("shaders")?;
     let paths = [&options.first, options.second()?];
     let read = |folder: &Path| -> Result<Vec<ShaderRecord>> {
         Ok(files::read_records(&PathInFolder::folder(folder).join(SHADERS))?)
     };
     let names = paths.map(|path| path.display().to_string());
-    let (a, b) = (read(paths[0])?, read(paths[1])?);
-    // Each run by its name, with its records.
-    let (a, b) = ((&*names[0], &*a), (&*names[1], &*b));
+    let (records_a, records_b) = (read(paths[0])?, read(paths[1])?);
+    let (a, b) = ((&*names[0], &*records_a), (&*names[1], &*records_b));
     let text = || tables::text(&shaders::compare::tables(a, b));
     let json = || files::json(&shaders::compare::compare(a, b));
     if let Some(folder) = &options.output {
         report::write(&PathInFolder::folder(folder), &json(), &text())?;
     }
-    print(options, json, text)
+    print_result(options, json, text)
 }
 
 /// Compares two images of one size.
-fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
+fn compare_images(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("images")?;
     let [(name_a, image_a), (name_b, image_b)] =
         [&options.first, options.second()?].map(|p| (p.display().to_string(), images::read_image(p)));
@@ -228,11 +234,11 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
         report::write_images(&PathInFolder::folder(folder), &found)?;
     }
-    print(options, || files::json(std::slice::from_ref(&found)), || report::images(&found))
+    print_result(options, || files::json(std::slice::from_ref(&found)), || report::images_text(&found))
 }
 
 /// Prints the result as JSON or as text, as the options say.
-fn print(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
+fn print_result(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
     let shown = if options.json { json() } else { text() };
     printed::out().write_all(shown.as_bytes())?;
     Ok(())

@@ -26,8 +26,8 @@ fn give_up(sentence: &str) {
 pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
     custom::give_up_by(give_up);
     let arguments: Vec<OsString> = arguments.collect();
-    custom::allow_includes(includes(&arguments));
-    let mut known = HashMap::new();
+    custom::allow_includes(include_folders(&arguments));
+    let mut added = HashMap::new();
     let mut replaced = Vec::new();
     // The flag whose value the next argument is, if the last argument was such a flag.
     let mut open_flag: Option<&str> = None;
@@ -38,15 +38,15 @@ pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsSt
             continue;
         };
         if let Some(option) = open_flag.take() {
-            replaced.push(names(option, text, &mut known)?.into());
+            replaced.push(replace_folders(option, text, &mut added)?.into());
             continue;
         }
         match text.split_once('=') {
-            Some((option, value)) if flags().any(|flag| flag == option) => {
-                replaced.push(format!("{option}={}", names(option, value, &mut known)?).into());
+            Some((option, value)) if method_flags().any(|flag| flag == option) => {
+                replaced.push(format!("{option}={}", replace_folders(option, value, &mut added)?).into());
             }
             _ => {
-                open_flag = flags().find(|flag| *flag == text);
+                open_flag = method_flags().find(|flag| *flag == text);
                 replaced.push(argument);
             }
         }
@@ -55,12 +55,12 @@ pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsSt
 }
 
 /// Every flag whose value names methods.
-fn flags() -> impl Iterator<Item = &'static str> {
+fn method_flags() -> impl Iterator<Item = &'static str> {
     [METHOD, AGAINST].into_iter().chain(VARIANTS)
 }
 
 /// The folders from which the arguments let shaders include files.
-fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
+fn include_folders(arguments: &[OsString]) -> Vec<PathBuf> {
     let is_flag = |argument: &OsString| argument == INCLUDE;
     let after_blank = arguments.windows(2).filter(|pair| is_flag(&pair[0])).map(|pair| PathBuf::from(&pair[1]));
     let after_equals =
@@ -68,24 +68,24 @@ fn includes(arguments: &[OsString]) -> Vec<PathBuf> {
     after_blank.chain(arguments.iter().filter_map(after_equals)).collect()
 }
 
-/// Returns the value of a flag with the names of methods in place of their folders, whose methods are added. `known`
+/// Returns the value of a flag with the names of methods in place of their folders, whose methods are added. `added`
 /// has the folders that were added before, each with the name of its method.
-fn names(flag: &str, value: &str, known: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
+fn replace_folders(flag: &str, value: &str, added: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
     let mut name = |text: &str| -> Result<String> {
         let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };
         // A folder is added once, even if two arguments write its path differently.
         let place = folder.canonicalize().unwrap_or_else(|_| folder.clone());
-        if let Some(name) = known.get(&place) {
+        if let Some(name) = added.get(&place) {
             return Ok((*name).to_owned());
         }
         let info = custom::add(&folder)?;
-        known.insert(place, info.name);
+        added.insert(place, info.name);
         Ok(info.name.to_owned())
     };
     if VARIANTS.contains(&flag) {
         let (method, flags) = value.split_once(char::is_whitespace).unwrap_or((value, ""));
         return Ok(format!("{} {flags}", name(method)?).trim_end().to_owned());
     }
-    let all: Vec<String> = value.split(',').map(name).collect::<Result<_>>()?;
-    Ok(all.join(","))
+    let names: Vec<String> = value.split(',').map(name).collect::<Result<_>>()?;
+    Ok(names.join(","))
 }

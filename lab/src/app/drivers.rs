@@ -1,6 +1,6 @@
 //! `ssct drivers`: the same methods on every device here.
 
-use super::cli::{CommonOptions, size};
+use super::cli::{CommonOptions, parse_size};
 use super::printed;
 use super::{progress, resolve};
 use crate::report::{files, tables};
@@ -25,7 +25,7 @@ pub struct DriversOptions {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "641x359")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "641x359")]
     pub size: [u32; 2],
     /// Folder for drivers.json and drivers.txt
     #[arg(short, long, value_name = "DIR")]
@@ -41,13 +41,7 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, common.place.scene.is_empty().then_some("corridor"))?;
-    let globals = match &common.place.roughness[..] {
-        [] => {
-            let one = resolve::one_globals(&common.place, "no roughness was given")?;
-            ROUGHNESS.map(|r| Globals { roughness: Some(r), ..one }).to_vec()
-        }
-        _ => resolve::globals(&common.place)?,
-    };
+    let globals = resolve::globals_or(&common.place, &ROUGHNESS)?;
     let setup = common.method_options.setup(options.size);
     let methods = resolve::methods(&options.method, &setup, &[&scene], &resolve::lenses(&scene, [&view]))?;
     let base = resolve::gpu(&common.device)?;

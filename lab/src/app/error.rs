@@ -1,11 +1,10 @@
 //! `ssct error`: run time against error.
 
-use super::cli::{CommonOptions, DeviceOptions, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use super::variants::VariantOptions;
 use crate::error::{Error, Result};
-use crate::stage::Globals;
 use crate::study::error::ErrorStudy;
 use crate::study::sweep;
 use clap::Args;
@@ -28,7 +27,7 @@ pub struct ErrorOptions {
     /// Widths and heights in pixels; by default 480x270
     ///
     /// With --quick, the default is 320x180.
-    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
     /// Two views, two roughness values, no sweep
     #[arg(long, conflicts_with_all = ["captures_sweep", "fallback_sweep", "bounces_sweep"])]
@@ -64,20 +63,9 @@ impl StudyOptions for ErrorOptions {
             ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
             _ => vec![resolve::scene(place, "rooms")?],
         };
-        let with_roughness = |values: &[f32]| -> Result<Vec<Globals>> {
-            let one = resolve::one_globals(place, "no roughness was given")?;
-            Ok(values.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect())
-        };
-        let globals = match &place.roughness[..] {
-            [] if self.quick => with_roughness(&QUICK_ROUGHNESS)?,
-            [] => with_roughness(&sweep::ROUGHNESS)?,
-            _ => resolve::globals(place)?,
-        };
-        let sizes = match &self.size[..] {
-            [] if self.quick => vec![QUICK_SIZE],
-            [] => vec![[480, 270]],
-            sizes => resolve::distinct_values(sizes),
-        };
+        let roughness: &[f32] = if self.quick { &QUICK_ROUGHNESS } else { &sweep::ROUGHNESS };
+        let globals = resolve::globals_or(place, roughness)?;
+        let sizes = resolve::distinct_values_or(&self.size, if self.quick { QUICK_SIZE } else { [480, 270] });
         let base = self.common.method_options.setup(sizes[0]);
         let views = |scene: &Scene| -> Result<Vec<View>> {
             if place.view.is_some() || place.eye.is_some() {

@@ -4,7 +4,7 @@
 mod draw;
 mod plate;
 mod plates;
-mod workshop;
+mod renderer;
 
 use super::cli::FiguresOptions;
 use super::printed;
@@ -18,40 +18,41 @@ use crate::study::names::one_line;
 use crate::study::record::DEFINITIONS;
 use plate::{Document, FinishedFigure, Plate, PrintedScene, quote_word};
 use plates::plates;
+use renderer::FigureRenderer;
 use serde_json::{Value, json};
 use ssct::gpu::{DeviceInfo, Gpu};
 use ssct_scenes::inside::PathInFolder;
 use ssct_scenes::{LoadOptions, Scene};
 use std::io::Write;
 use std::path::Path;
-use workshop::FigureRenderer;
 
 /// Makes the figures and writes their page.
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
-    let own = options.scene.as_deref().map(OwnScene::load).transpose()?;
-    let wanted = find_plates(&options.only, own.as_ref())?;
+    let own_scene = options.scene.as_deref().map(OwnScene::load).transpose()?;
+    let wanted = find_plates(&options.only, own_scene.as_ref())?;
     let gpu = resolve::gpu(&options.device)?;
     let folder = PathInFolder::folder(&options.output);
-    let own_scene_digest = own.as_ref().map(|own| own.digest.clone());
+    let own_scene_digest = own_scene.as_ref().map(|scene| scene.digest.clone());
     let key = |plate: &Plate| {
         let settings = json!([settings(plate, options), own_scene_digest]);
         format!("figure {} {}", plate.stem(), digest(&gpu, &settings))
     };
-    let list = list(options, &gpu, wanted.iter().map(|plate| (*plate, key(plate))).collect());
+    let list = cell_list(options, &gpu, wanted.iter().map(|plate| (*plate, key(plate))).collect());
     let mut run = Run::begin(Some(&options.output), options.resume)?;
-    run.list(&list)?;
-    let mut workshop = FigureRenderer::new(&gpu);
-    if let Some(OwnScene { file, scene, .. }) = own {
-        workshop.hold(&file, scene)?;
+    run.write_list(&list)?;
+    let mut renderer = FigureRenderer::new(&gpu);
+    if let Some(OwnScene { file, scene, .. }) = own_scene {
+        renderer.hold(&file, scene)?;
     }
-    let bar = progress::bar("figures", list.owned());
+    let bar = progress::bar("figures", list.count_own());
     let mut outcome = Ok(());
-    for plate in list.own(&wanted) {
+    for plate in list.select_own(&wanted) {
         bar.set_message(format!("figure {}", plate.number));
-        let made = run.journal.get::<Entry>(&key(plate));
-        let is_there = |e: &Entry| e.file.as_ref().map_or(true, |file| folder.join(file).is_there());
-        if !made.is_some_and(|e| is_there(&e)) {
-            outcome = make(plate, &mut workshop, options, &folder).and_then(|e| Ok(run.journal.put(key(plate), &e)?));
+        let known = run.journal.get::<Entry>(&key(plate));
+        let has_file = |e: &Entry| e.file.as_ref().map_or(true, |file| folder.join(file).is_there());
+        if !known.is_some_and(|e| has_file(&e)) {
+            outcome = make_figure(plate, &mut renderer, options, &folder)
+                .and_then(|e| Ok(run.journal.put(key(plate), &e)?));
         }
         // The figures that were made before an error are still put on the page.
         outcome = outcome.and_then(|()| Ok(progress::step(&bar)?));
@@ -69,14 +70,14 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
             Err(why) => writeln!(out, "{} left out: {}", one_line(&e.stem), one_line(why))?,
         }
     }
-    let wrote = write_page(&folder, &entries, gpu.info(), &command(options));
+    let written = write_page(&folder, &entries, gpu.info(), &command(options));
     let made = entries.iter().filter(|e| e.file.is_ok()).count();
-    run.ended(outcome)?;
-    wrote?;
+    run.outcome_with_journal(outcome)?;
+    written?;
     let index = options.output.join(INDEX);
     writeln!(out, "{}: {made} figures, {} left out", index.display(), entries.len() - made)?;
     run.finish()?;
-    drop(workshop);
+    drop(renderer);
     gpu.check_validation()?;
     Ok(())
 }
@@ -86,17 +87,17 @@ const INDEX: &str = "index.html";
 
 /// Writes the page that shows some figures of one device. The files of the figures lie in `folder`.
 pub fn write_page(folder: &PathInFolder, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
-    let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
+    let page = FiguresPage { device, command: command.to_owned(), groups: group_by_document(entries) };
     Ok(folder.join(INDEX).write(page.render(folder)?.as_bytes())?)
 }
 
 /// The settings that a figure depends on, besides the device and the program; the program includes the built-in scenes.
 fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
-    json!([plate.stem(), plate.arguments(options.size, file(options).as_deref())])
+    json!([plate.stem(), plate.arguments(options.size, scene_file(options).as_deref())])
 }
 
 /// The path of the scene file that the options name, as text.
-fn file(options: &FiguresOptions) -> Option<String> {
+fn scene_file(options: &FiguresOptions) -> Option<String> {
     options.scene.as_ref().map(|path| path.to_string_lossy().into_owned())
 }
 
@@ -117,12 +118,12 @@ impl OwnScene {
         }
         let scene = resolve::load(&[path.to_owned()], &LoadOptions::default())?;
         let Some(printed) = PrintedScene::from_scene(&scene) else {
-            let named = |p: PrintedScene| p.views().join(", ");
+            let views = |p: PrintedScene| p.views().join(", ");
             return Err(Error::usage(format!(
                 "--scene {file}: no figure is drawn in this scene, as it has neither the views of the thesis's rooms ({}) nor \
                  those of Sponza ({})",
-                named(PrintedScene::Rooms),
-                named(PrintedScene::Sponza)
+                views(PrintedScene::Rooms),
+                views(PrintedScene::Sponza)
             )));
         };
         if file.contains('"') {
@@ -135,7 +136,7 @@ impl OwnScene {
 }
 
 /// Makes the list of the run's cells, one for each figure. Each figure comes with the key of its entry in the journal.
-fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> CellList {
+fn cell_list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> CellList {
     let planned = |(plate, key): (&Plate, String)| PlannedCell::new(plate.stem(), settings(plate, options), key);
     let cells = plates.into_iter().map(planned).collect();
     let head = CellListHead {
@@ -151,32 +152,32 @@ fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> C
 
 /// Returns the figures that `only` names by number, with or without the document's stem; all figures if `only` is
 /// empty. With a scene from a file, only figures that show this scene in print are found.
-fn find_plates(only: &[String], own: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
+fn find_plates(only: &[String], own_scene: Option<&OwnScene>) -> Result<Vec<&'static Plate>> {
     let has_name = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
-    let is_drawn = |p: &&Plate| own.is_none_or(|own| p.prints.is_some_and(|(printed, _)| printed == own.printed));
-    let drawn: Vec<_> = plates().filter(is_drawn).collect();
-    if let Some(unknown) = only.iter().find(|name| drawn.iter().all(|p| !has_name(p, name))) {
-        let numbers: Vec<&str> = drawn.iter().map(|p| p.number).collect();
-        let what = own.map_or("there is no such figure".to_owned(), |own| {
-            format!("no such figure shows the scene of {} in print", own.file)
+    let prints = |p: &Plate, scene: PrintedScene| p.prints.is_some_and(|(printed, _)| printed == scene);
+    let available: Vec<_> = plates().filter(|p| own_scene.is_none_or(|scene| prints(p, scene.printed))).collect();
+    if let Some(unknown) = only.iter().find(|name| available.iter().all(|p| !has_name(p, name))) {
+        let numbers: Vec<&str> = available.iter().map(|p| p.number).collect();
+        let why = own_scene.map_or("there is no such figure".to_owned(), |scene| {
+            format!("no such figure shows the scene of {} in print", scene.file)
         });
-        return Err(Error::usage(format!("--only {unknown}: {what}; available are: {}", numbers.join(", "))));
+        return Err(Error::usage(format!("--only {unknown}: {why}; available are: {}", numbers.join(", "))));
     }
-    Ok(drawn.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| has_name(p, name))).collect())
+    Ok(available.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| has_name(p, name))).collect())
 }
 
 /// Makes a figure, writes its file, and returns its entry on the page.
-fn make(
+fn make_figure(
     plate: &Plate,
-    workshop: &mut FigureRenderer,
+    renderer: &mut FigureRenderer,
     options: &FiguresOptions,
     folder: &PathInFolder,
 ) -> anyhow::Result<Entry> {
-    let scene = file(options);
-    let arguments = plate.arguments(options.size, scene.as_deref());
-    let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
+    let scene_file = scene_file(options);
+    let arguments = plate.arguments(options.size, scene_file.as_deref());
+    let file = match arguments.iter().find_map(|a| renderer::find_lack(a)) {
         Some(why) => Err(why),
-        None => Ok(write(plate, (plate.make)(workshop, &arguments)?, folder)?),
+        None => Ok(write_figure(plate, (plate.make)(renderer, &arguments)?, folder)?),
     };
     let panels = plate.panels.iter().zip(&arguments).enumerate().map(|(n, ((label, _), arguments))| {
         // Arguments with `--dump` name a folder for the render's images; to other arguments the file is added.
@@ -194,14 +195,14 @@ fn make(
         title: format!("{name} {}: {}", plate.number, plate.title),
         file,
         print: plate.print.to_owned(),
-        differs: plate.differs(scene.is_some()).to_owned(),
+        differs: plate.differs(scene_file.is_some()).to_owned(),
         panels: panels.collect(),
-        command: format!("ssct figures{} --only {}", in_file(options), plate.number),
+        command: format!("ssct figures{} --only {}", scene_option(options), plate.number),
     })
 }
 
 /// Writes a figure to a file and returns the file's name.
-fn write(plate: &Plate, made: FinishedFigure, folder: &PathInFolder) -> Result<String> {
+fn write_figure(plate: &Plate, made: FinishedFigure, folder: &PathInFolder) -> Result<String> {
     match made {
         FinishedFigure::Picture(picture) => {
             let file = format!("{}.png", plate.stem());
@@ -217,7 +218,7 @@ fn write(plate: &Plate, made: FinishedFigure, folder: &PathInFolder) -> Result<S
 }
 
 /// Groups the entries of the page by their documents. A document without entries has no group.
-fn groups(entries: &[Entry]) -> Vec<Group> {
+fn group_by_document(entries: &[Entry]) -> Vec<Group> {
     let documents = [
         (
             Document::Thesis,
@@ -240,8 +241,8 @@ fn groups(entries: &[Entry]) -> Vec<Group> {
         ),
     ];
     let group = |(source, title, text): (Document, &str, &str)| {
-        let is_own = |e: &&Entry| plates().any(|p| p.source == source && p.stem() == e.stem);
-        let entries: Vec<Entry> = entries.iter().filter(is_own).cloned().collect();
+        let is_of_document = |e: &&Entry| plates().any(|p| p.source == source && p.stem() == e.stem);
+        let entries: Vec<Entry> = entries.iter().filter(is_of_document).cloned().collect();
         let (id, title, source) = (source.stem().to_owned(), title.to_owned(), text.to_owned());
         (!entries.is_empty()).then_some(Group { id, title, source, entries })
     };
@@ -250,7 +251,7 @@ fn groups(entries: &[Entry]) -> Vec<Group> {
 
 /// The command that makes all chosen figures, as the page shows it.
 fn command(options: &FiguresOptions) -> String {
-    let mut command = format!("ssct figures{}", in_file(options));
+    let mut command = format!("ssct figures{}", scene_option(options));
     if !options.only.is_empty() {
         command += &format!(" --only {}", options.only.join(","));
     }
@@ -261,6 +262,6 @@ fn command(options: &FiguresOptions) -> String {
 }
 
 /// The text ` --scene FILE` for a shown command; empty if the options name no scene file.
-fn in_file(options: &FiguresOptions) -> String {
-    file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
+fn scene_option(options: &FiguresOptions) -> String {
+    scene_file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
 }

@@ -69,7 +69,7 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
 /// Returns the setup for an image that is made once, where time matters little: pixels in doubt get the most rays of
 /// their own, unless the user gave a number.
 fn for_one_image(setup: Setup) -> Setup {
-    let is_given = setup.values.given().any(|name| name == "own_rays");
+    let is_given = setup.values.given_names().any(|name| name == "own_rays");
     if is_given { setup } else { setup.with(|effect: &mut EffectParams| effect.own_rays = OwnRays::Sixteen) }
 }
 

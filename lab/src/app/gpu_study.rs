@@ -34,8 +34,8 @@ const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
 /// Roughness values at which fragment and compute shaders of `unified` are compared; each of its passes runs at one of these values.
 const STAGES_ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.6];
 
-/// Roughness values at which [`Plan::first`] and [`Plan::tracers`] compare variants: a mirror, and a narrow lobe.
-const FIRST_ROUGHNESS: [f32; 2] = [0.0, 0.1];
+/// Roughness values at which [`Plan::tracing_orders`] and [`Plan::tracers`] compare variants: a mirror, and a narrow lobe.
+const COMPARED_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
 /// Side of the copied image, in texels of four bytes; the image is larger than caches.
 const COPIED: u32 = 4096;
@@ -115,12 +115,12 @@ impl Plan {
         let setup = Setup::on_screen(self.size);
         let captured = Setup::new(self.size).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         // The method `captures` shows nothing without captures, nor does a method that lacks what it needs of the scene.
-        let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.lacks(&place.0).is_empty();
-        let plain: Vec<_> = METHODS.iter().filter(shows).collect();
-        let variants =
-            Variant::for_methods(&plain, &setup).into_iter().chain([triangles_variant(&setup, FirstTraced::Auto)]);
-        let captured = Variant::for_methods(&[&unified::INFO, &captures::INFO], &captured);
-        let variants = variants.chain(captured).flat_map(|variant| in_its_stages(&variant)).collect();
+        let shows = |m: &&MethodInfo| m.name != captures::INFO.name && m.unmet_needs(&place.0).is_empty();
+        let methods: Vec<_> = METHODS.iter().filter(shows).collect();
+        let mut variants = Variant::for_methods(&methods, &setup);
+        variants.push(triangles_variant(&setup, FirstTraced::Auto));
+        variants.extend(Variant::for_methods(&[&unified::INFO, &captures::INFO], &captured));
+        let variants = variants.iter().flat_map(in_its_stages).collect();
         self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
     }
 
@@ -133,10 +133,10 @@ impl Plan {
 
     /// Returns the measurement of `unified` with rays traced on the screen first, and with rays traced among the
     /// triangles first. Which order is cheaper depends on the number of triangles and on the device.
-    fn first<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
+    fn tracing_orders<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let variants =
             [FirstTraced::Screen, FirstTraced::Triangles].map(|first| triangles_variant(&Setup::new(self.size), first));
-        self.time(gpu, place, variants.to_vec(), vec![self.size], FIRST_ROUGHNESS.map(of_roughness).to_vec())
+        self.time(gpu, place, variants.to_vec(), vec![self.size], COMPARED_ROUGHNESS.map(globals_of_roughness).to_vec())
     }
 
     /// Returns the measurement of `traced` by a walk through the tree, and by ray queries; `None` on a device without
@@ -147,7 +147,7 @@ impl Plan {
             Variant { method: &traced::INFO, setup }
         };
         let variants = [Tracer::Tree, Tracer::Query].map(variant).to_vec();
-        let globals = FIRST_ROUGHNESS.map(of_roughness).to_vec();
+        let globals = COMPARED_ROUGHNESS.map(globals_of_roughness).to_vec();
         gpu.has_ray_queries().then(|| self.time(gpu, place, variants, vec![self.size], globals))
     }
 
@@ -155,7 +155,7 @@ impl Plan {
     /// tables have for the view's scene.
     fn readme<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> Result<TimeSpec<'a>> {
         let variants = readme::variants(TIMED_SIZE, gpu.info().is_cpu())?;
-        let globals = self.readme_roughness(place).iter().map(|r| of_roughness(*r)).collect();
+        let globals = self.readme_roughness(place).iter().map(|r| globals_of_roughness(*r)).collect();
         Ok(self.time(gpu, place, variants, vec![TIMED_SIZE], globals))
     }
 
@@ -168,7 +168,7 @@ impl Plan {
     /// The study of the errors of the README's variants on a view.
     fn readme_errors(&self, gpu: &Gpu, [scene, view]: [&str; 2]) -> Result<ErrorStudy> {
         let place = place([scene, view])?;
-        let globals = self.readme_roughness(&place).iter().map(|r| of_roughness(*r)).collect();
+        let globals = self.readme_roughness(&place).iter().map(|r| globals_of_roughness(*r)).collect();
         let variants = readme::variants(JUDGED_SIZE, gpu.info().is_cpu())?;
         let rays = if self.is_quick() { QUICK_RAYS } else { RAYS };
         let (scene, view) = place;
@@ -190,7 +190,7 @@ impl Plan {
     fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::on_screen(self.size);
         let variants = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage)).to_vec();
-        self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(of_roughness).to_vec())
+        self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(globals_of_roughness).to_vec())
     }
 }
 
@@ -218,7 +218,7 @@ fn triangles_variant(setup: &Setup, first: FirstTraced) -> Variant {
 }
 
 /// The global factors that give every material one roughness.
-fn of_roughness(roughness: f32) -> Globals {
+fn globals_of_roughness(roughness: f32) -> Globals {
     Globals { roughness: Some(roughness), ..Globals::default() }
 }
 
@@ -234,77 +234,75 @@ fn place([scene, view]: [&str; 2]) -> Result<Place> {
 
 /// Measures all parts of the study, writes its folder and prints where the page is.
 pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
-    let (folder, plan) = (&options.output, Plan::new(options.quick));
-    let to = PathInFolder::folder(folder);
+    let (path, plan) = (&options.output, Plan::new(options.quick));
+    let folder = PathInFolder::folder(path);
     let gpu = resolve::gpu(&options.device)?;
-    let mut run = Run::begin(Some(folder), options.resume)?;
+    let mut run = Run::begin(Some(path), options.resume)?;
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
     let table_place = place(TABLE_VIEW)?;
     let table = plan.table(&gpu, &table_place);
     let timed_places = &places[..plan.timed_views()];
     let methods: Vec<_> = timed_places.iter().map(|place| plan.methods(&gpu, place)).collect();
-    let first: Vec<_> = places.iter().map(|place| plan.first(&gpu, place)).collect();
+    let orders: Vec<_> = places.iter().map(|place| plan.tracing_orders(&gpu, place)).collect();
     let tracers: Vec<_> = places.iter().filter_map(|place| plan.tracers(&gpu, place)).collect();
     let stages = plan.stages(&gpu, &places[0]);
-    let quoted = timed_places.iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
+    let readme_specs = timed_places.iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
     let (table, stages) = ([table], [stages]);
-    let others: [(&str, &[TimeSpec]); 5] = [
+    let other_specs: [(&str, &[TimeSpec]); 5] = [
         ("table 5.8", &table),
         ("every method in either stage", &methods),
-        ("the screen or the triangles first", &first),
+        ("the screen or the triangles first", &orders),
         ("tree and ray queries", &tracers),
         ("passes in either stage", &stages),
     ];
-    let timed = || quoted.iter().chain(others.iter().flat_map(|(_, specs)| *specs));
-    let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
+    let all_specs = || readme_specs.iter().chain(other_specs.iter().flat_map(|(_, specs)| *specs));
+    let bar = progress::bar("gpu-study", all_specs().map(TimeSpec::frames).sum());
     // The README's numbers are measured before the others, and the findings other than times after them.
-    let (parts, mut part) = (others.len() + 2, 0);
-    let mut begin = |what: &str| {
+    let (parts, mut part) = (other_specs.len() + 2, 0);
+    let mut begin_part = |what: &str| {
         part += 1;
         progress::part(&bar, &format!("gpu-study, part {part} of {parts}: {what}"));
     };
 
     let mut measure = || -> Result<(Vec<ReadmeRecord>, Findings)> {
-        begin("the README's numbers");
-        time(&quoted, &mut run, &bar)?;
-        let errors = readme_errors(&gpu, &plan, &mut run, &bar)?;
-        let times: Vec<_> = quoted.iter().flat_map(|spec| timing::records(spec, &run.journal)).collect();
+        begin_part("the README's numbers");
+        measure_times(&readme_specs, &mut run, &bar)?;
+        let errors = measure_readme_errors(&gpu, &plan, &mut run, &bar)?;
+        let times: Vec<_> = readme_specs.iter().flat_map(|spec| timing::records(spec, &run.journal)).collect();
         let readme = readme::compare(&MeasuredRecords { times: &times, errors: &errors })?;
-        report::write_readme(&to, gpu.info(), &command(options), &readme)?;
-        let page = folder.join(report::README).display().to_string();
+        report::write_readme(&folder, gpu.info(), &command(options), &readme)?;
+        let page = path.join(report::README).display().to_string();
         writeln!(printed::out(), "{page}").map_err(|e| Error::io("name on standard output", &page, e))?;
-        for (what, specs) in others {
-            begin(what);
-            time(specs, &mut run, &bar)?;
+        for (what, specs) in other_specs {
+            begin_part(what);
+            measure_times(specs, &mut run, &bar)?;
         }
-        begin("steps, images, programs and the validation layers");
-        Ok((readme, findings(&gpu, options, &plan, &places, &bar)?))
+        begin_part("steps, images, programs and the validation layers");
+        Ok((readme, measure_findings(&gpu, options, &plan, &places, &bar)?))
     };
     let outcome = measure();
     bar.finish_and_clear();
-    let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
-    let all_of = |specs: &[TimeSpec]| specs.iter().flat_map(records).collect();
-    let [table, methods, first, tracers, stages] = others.map(|(_, specs)| all_of(specs));
-    let times = DeviceTimes { table, methods, first, tracers, readme: all_of(&quoted), stages };
+    let records = |specs: &[TimeSpec]| specs.iter().flat_map(|spec| timing::records(spec, &run.journal)).collect();
+    let [table, methods, orders, tracers, stages] = other_specs.map(|(_, specs)| records(specs));
+    let times = DeviceTimes { table, methods, orders, tracers, readme: records(&readme_specs), stages };
     // Measured times are written even after an error; that error is reported before an error of writing.
     let all = times.all();
-    let wrote = to
+    let written = folder
         .join("time.json")
         .write(files::json(&all).as_bytes())
-        .and_then(|()| to.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes()));
-    let (readme, findings) = run.ended(outcome)?;
-    wrote?;
-    report::write(&to, gpu.info(), &command(options), (&times, &readme), &findings)?;
-    writeln!(printed::out(), "{}", folder.join(report::PAGE).display())?;
+        .and_then(|()| folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes()));
+    let (readme, findings) = run.outcome_with_journal(outcome)?;
+    written?;
+    report::write(&folder, gpu.info(), &command(options), (&times, &readme), &findings)?;
+    writeln!(printed::out(), "{}", path.join(report::PAGE).display())?;
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
 }
 
-/// Measures the times of some measurements that the journal of the run lacks.
-fn time(specs: &[TimeSpec], run: &mut Run, bar: &ProgressBar) -> Result<()> {
-    let mut timed = specs.iter();
-    timed.try_for_each(|spec| timing::measure(spec, &mut run.journal, &mut || progress::step(bar)))
+/// Measures the times of `specs` that the journal of the run lacks.
+fn measure_times(specs: &[TimeSpec], run: &mut Run, bar: &ProgressBar) -> Result<()> {
+    specs.iter().try_for_each(|spec| timing::measure(spec, &mut run.journal, &mut || progress::step(bar)))
 }
 
 /// The command as the page shows it.
@@ -315,7 +313,7 @@ fn command(options: &GpuStudyOptions) -> String {
 }
 
 /// Measures the errors that the page compares with those of the README.
-fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Result<Vec<ErrorRecord>> {
+fn measure_readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Result<Vec<ErrorRecord>> {
     let mut records = Vec::new();
     for view in &VIEWS[..plan.timed_views()] {
         let mut study = plan.readme_errors(gpu, *view)?;
@@ -330,7 +328,7 @@ fn readme_errors(gpu: &Gpu, plan: &Plan, run: &mut Run, bar: &ProgressBar) -> Re
 
 /// Measures what the study reports besides times: the rays' steps, the agreement of images with other devices, the rate
 /// of copies, and the compiled programs. Keeps the device's images for studies on other machines.
-fn findings(
+fn measure_findings(
     gpu: &Gpu,
     options: &GpuStudyOptions,
     plan: &Plan,
@@ -339,7 +337,7 @@ fn findings(
 ) -> Result<Findings> {
     let mut steps = Vec::new();
     for (scene, view) in places {
-        let (globals, methods, setup) = (of_roughness(0.0), Vec::new(), Setup::on_screen(plan.size));
+        let (globals, methods, setup) = (globals_of_roughness(0.0), Vec::new(), Setup::on_screen(plan.size));
         let spec = AgreementSpec { scene, view, globals, methods, setup };
         steps.extend(steps::count(gpu, scene, view, &spec.globals, &agreement::draw(gpu, &spec)?)?);
         progress::step(bar)?;
@@ -348,32 +346,32 @@ fn findings(
     let kept_specs = KEPT_ROUGHNESS.map(|roughness| AgreementSpec {
         scene,
         view,
-        globals: of_roughness(roughness),
-        methods: METHODS.iter().filter(|m| m.lacks(scene).is_empty()).collect(),
+        globals: globals_of_roughness(roughness),
+        methods: METHODS.iter().filter(|m| m.unmet_needs(scene).is_empty()).collect(),
         setup: Setup::on_screen(KEPT_SIZE),
     });
-    keep(gpu, &PathInFolder::folder(&options.output).join(KEPT), &kept_specs)?;
-    let (mut same, mut drawn) = (Vec::new(), Vec::new());
+    keep_images(gpu, &PathInFolder::folder(&options.output).join(KEPT), &kept_specs)?;
+    let (mut agreement, mut drawn) = (Vec::new(), Vec::new());
     for folder in &options.beside {
-        same.extend(compare_with_kept(gpu, &PathInFolder::folder(folder).join(KEPT), &kept_specs)?);
+        agreement.extend(compare_with_kept(gpu, &PathInFolder::folder(folder).join(KEPT), &kept_specs)?);
     }
     for other in other_devices::others(gpu, options.device.validation)? {
         for spec in &kept_specs {
-            same.extend(other_devices::compare(&other, [gpu], spec)?);
+            agreement.extend(other_devices::compare(&other, [gpu], spec)?);
             progress::step(bar)?;
         }
         drawn.extend(other_devices::compare_drawn([&other, gpu], options.device.validation, &kept_specs[0])?);
         progress::step(bar)?;
     }
-    let copy = bandwidth::copy(gpu, COPIED, plan.samples)?;
+    let copy = bandwidth::time_copy(gpu, COPIED, plan.samples)?;
     let programs = compiled_programs(gpu, plan, &places[0])?;
-    Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)?, programs })
+    Ok(Findings { copy, steps, agreement, drawn, validation: layer_messages(gpu, &kept_specs)?, programs })
 }
 
 /// Compiles the programs of every method, in the published stages and in compute shaders. The programs of `unified` are
 /// also compiled in both stages and with a history. Returns the compiler's statistics, or the reason why the device
 /// reports none.
-fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPrograms> {
+fn compiled_programs(gpu: &Gpu, plan: &Plan, (scene, view): &Place) -> Result<CompiledPrograms> {
     let compiler = match other_devices::compiler(gpu) {
         Err(Error::Ssct(ssct::Error::NoDevice(why))) => return Ok(CompiledPrograms::Unknown(why)),
         opened => opened?,
@@ -382,24 +380,29 @@ fn compiled_programs(gpu: &Gpu, plan: &Plan, place: &Place) -> Result<CompiledPr
     let history =
         Variant { method: &unified::INFO, setup: setup.with(|p: &mut EffectParams| p.history = HistoryUse::On) };
     let in_compute = setup.with(|p: &mut EffectParams| p.stage = ShaderStage::Compute);
-    let all: Vec<_> = METHODS.iter().collect();
-    let methods = [&setup, &in_compute].into_iter().flat_map(|setup| Variant::for_methods(&all, setup));
+    let methods: Vec<_> = METHODS.iter().collect();
+    let in_either_stage = [&setup, &in_compute].into_iter().flat_map(|setup| Variant::for_methods(&methods, setup));
     let staged = [StageChoice::Fragment, StageChoice::Compute].map(|stage| in_stage(&setup, stage));
-    let mut stage = Stage::new(&compiler, &place.0)?;
-    let mut all = Vec::new();
-    for variant in methods.chain(staged).chain([history]) {
+    let mut stage = Stage::new(&compiler, scene)?;
+    let mut records = Vec::new();
+    for variant in in_either_stage.chain(staged).chain([history]) {
         for roughness in STAGES_ROUGHNESS {
-            let place = (&place.0, &place.1);
-            all.extend(shaders::compiled(&mut stage, place, &variant, plan.size, &of_roughness(roughness))?);
+            records.extend(shaders::compiled(
+                &mut stage,
+                (scene, view),
+                &variant,
+                plan.size,
+                &globals_of_roughness(roughness),
+            )?);
         }
     }
-    Ok(CompiledPrograms::Said(all))
+    Ok(CompiledPrograms::Said(records))
 }
 
 /// Keeps the images of the screen-space methods, for studies on other machines.
-fn keep(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<()> {
+fn keep_images(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<()> {
     kept_images::write_device(folder, gpu.info())?;
-    for spec in specs.iter().map(of_the_screen) {
+    for spec in specs.iter().map(screen_space_part) {
         let data = agreement::draw(gpu, &spec)?;
         kept_images::write(folder, &stem(&spec), &data, &agreement::images(gpu, &spec, &data)?)?;
     }
@@ -407,7 +410,7 @@ fn keep(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<()>
 }
 
 /// Returns the part of a comparison that a G-buffer is enough for: the screen-space methods.
-fn of_the_screen<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
+fn screen_space_part<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
     let methods: Vec<&'static MethodInfo> = spec.methods.iter().copied().filter(|m| m.is_screen_space()).collect();
     AgreementSpec { methods, ..spec.clone() }
 }
@@ -421,7 +424,7 @@ fn stem(spec: &AgreementSpec) -> String {
 fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
     let base = kept_images::read_device(folder)?;
     let mut records = Vec::new();
-    for spec in specs.iter().map(of_the_screen) {
+    for spec in specs.iter().map(screen_space_part) {
         let data = kept_images::read_gbuffer(folder, &stem(&spec))?;
         let kept = kept_images::read(folder, &stem(&spec), &data, &spec.methods)?;
         let spec = AgreementSpec { methods: kept.iter().map(|k| k.method).collect(), ..spec };

@@ -163,7 +163,7 @@ pub fn command(arguments: &[OsString]) -> Command {
 }
 
 /// The command line of a program that is a command by itself, arranged as a command of `ssct` is.
-pub fn of_one_command<P: CommandFactory>(arguments: &[OsString]) -> Command {
+pub fn single_command<P: CommandFactory>(arguments: &[OsString]) -> Command {
     let command = P::command();
     let name = command.get_name().to_owned();
     arrange(command, &name, asks_for_summary(arguments))
@@ -180,14 +180,12 @@ fn arranged_command(is_short: bool) -> Command {
     // A command that hands its arguments on to another program leaves the help to that program, too.
     let has_help = |c: &&Command| !c.is_disable_help_flag_set();
     let names: Vec<String> = command.get_subcommands().filter(has_help).map(|c| c.get_name().to_owned()).collect();
-    let command_path = |name: &String| format!("ssct {name}");
-    let paths = names.iter().map(command_path).collect::<Vec<_>>();
     let overview = overview(&command);
     let [help, version] = help_options();
     let help = help.help("Print this");
     let mut command = with_help(command.help_template(overview), [help, version]);
-    for (name, path) in names.iter().zip(paths) {
-        command = command.mut_subcommand(name, |c| arrange(c, &path, is_short));
+    for name in &names {
+        command = command.mut_subcommand(name, |c| arrange(c, &format!("ssct {name}"), is_short));
     }
     command
 }
@@ -225,7 +223,7 @@ fn arrange(command: Command, path: &str, is_short: bool) -> Command {
     let [help, version] = help_options();
     let help = help.help("Print this summary; --help prints everything").long_help("Print this; -h prints a summary");
     let command = with_help(command, [help, version]);
-    if is_short && nested.is_empty() { short(command, path) } else { long(command) }
+    if is_short && nested.is_empty() { arrange_short(command, path) } else { arrange_long(command) }
 }
 
 /// The options `--help` and `--version`, which take the place of clap's own.
@@ -241,25 +239,27 @@ fn with_help(command: Command, options: [Arg; 2]) -> Command {
 }
 
 /// The index of an option in a list; the length of the list if the option is not in it.
-fn place(list: &[&str], argument: &Arg) -> usize {
+fn index_in(list: &[&str], argument: &Arg) -> usize {
     list.iter().position(|id| *id == argument.get_id().as_str()).unwrap_or(list.len())
 }
 
 /// Arranges a command for the short help: only the options of this help are shown, each in one line, and the last line says where the
 /// others are.
-fn short(command: Command, path: &str) -> Command {
+fn arrange_short(command: Command, path: &str) -> Command {
     let options = || command.get_arguments().filter(|a| !a.is_positional());
-    let has_few = options().count() <= FEW;
     let all = options().count();
+    let has_few = all <= FEW;
     // An option of `SHORT` has its index there, an option in neither list SHORT.len(), and one of `SHORT_LAST` more.
-    let order = |a: &Arg| match place(&SHORT_LAST, a) {
-        position if position < SHORT_LAST.len() => SHORT.len() + 1 + position,
-        _ => place(&SHORT, a),
+    let order = |a: &Arg| match index_in(&SHORT_LAST, a) {
+        index if index < SHORT_LAST.len() => SHORT.len() + 1 + index,
+        _ => index_in(&SHORT, a),
     };
     let is_shown = |a: &Arg| has_few || a.is_required_set() || order(a) != SHORT.len();
     let shown = options().filter(|a| is_shown(a)).count();
-    let more = format!("{} more options, under headings: {path} --help", all - shown);
-    let more = if all == shown { format!("More about them: {path} --help") } else { more };
+    let more = match all - shown {
+        0 => format!("More about them: {path} --help"),
+        hidden => format!("{hidden} more options, under headings: {path} --help"),
+    };
     let command = command.mut_args(|a| {
         if a.is_positional() {
             return a;
@@ -279,17 +279,17 @@ fn narrow(argument: Arg) -> Arg {
     let width = |value: &str| "-- <>".len() + argument.get_long().map_or(0, str::len) + value.chars().count();
     match name {
         Some(name) if width(&name) > SHORT_WIDTH => {
-            let first = name.split(['|', ' ']).next().unwrap_or_default().to_owned();
-            argument.value_name(first)
+            let first_word = name.split(['|', ' ']).next().unwrap_or_default().to_owned();
+            argument.value_name(first_word)
         }
         _ => argument,
     }
 }
 
 /// Puts every option under its heading, and headings and options in their order.
-fn long(command: Command) -> Command {
+fn arrange_long(command: Command) -> Command {
     let find_heading = |argument: &Arg| {
-        let lists_option = |(_, ids): &&(&str, &[&str])| place(ids, argument) < ids.len();
+        let lists_option = |(_, ids): &&(&str, &[&str])| index_in(ids, argument) < ids.len();
         let own_heading = argument.get_help_heading().map(str::to_owned);
         own_heading.or_else(|| HEADINGS.iter().find(lists_option).map(|(heading, _)| (*heading).to_owned()))
     };
@@ -303,7 +303,7 @@ fn long(command: Command) -> Command {
     let rank = |argument: &Arg| {
         let heading = argument.get_help_heading()?;
         let heading_index = HEADINGS.iter().position(|(known, _)| *known == heading).unwrap_or(HEADINGS.len());
-        let option_index = HEADINGS.get(heading_index).map_or(0, |(_, ids)| place(ids, argument));
+        let option_index = HEADINGS.get(heading_index).map_or(0, |(_, ids)| index_in(ids, argument));
         Some((heading_index, option_index))
     };
     // Positional arguments, which have no heading, come first. Parameters of methods, whose headings `HEADINGS` lacks,

@@ -58,7 +58,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
         changes: &changes,
         base: &options.base,
         threshold: options.threshold,
-        way: path_to_runs.as_deref(),
+        path_to_runs: path_to_runs.as_deref(),
     };
     let html = html.render().map_err(|e| anyhow::anyhow!("cannot draw the plots of {}: {e}", page.path().display()))?;
     page.write(html.as_bytes())?;
@@ -96,8 +96,9 @@ fn relative_path(output: &Path, library: &Path) -> Result<Option<String>> {
     PathInFolder::folder(output).make()?;
     let absolute = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));
     let (output, library) = (absolute(output)?, absolute(library)?);
-    let joined = |way: &Path| way.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();
-    Ok(library.strip_prefix(&output).ok().map(joined))
+    let with_slashes =
+        |path: &Path| path.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();
+    Ok(library.strip_prefix(&output).ok().map(with_slashes))
 }
 
 /// The command as the page shows it.

@@ -1,7 +1,7 @@
 //! Runs a study from its flags: folder, journal, signals, progress, shard, files and printed text.
 
 use super::cli::{DeviceOptions, RunOptions};
-use super::merger::{Merger, passed};
+use super::merger::{Merger, check_rows};
 use super::printed;
 use super::run::{Run, command_line, go_on};
 use super::{progress, resolve};
@@ -22,26 +22,17 @@ pub trait StudyOptions: Sized {
     type Study: Study;
 
     /// Makes the study that the flags ask for.
-    ///
-    /// # Errors
-    /// Errors of flags that make no sense, and of files that they name.
     fn study(&self) -> Result<Self::Study>;
 
     /// The device.
     fn device(&self) -> &DeviceOptions;
 
     /// Opens the device that is measured.
-    ///
-    /// # Errors
-    /// Errors of [`Gpu::open`].
     fn open(&self) -> Result<Gpu> {
         resolve::gpu(self.device())
     }
 
     /// Measures what the flags ask for.
-    ///
-    /// # Errors
-    /// Errors of [`run`].
     fn run(&self, to: &RunOptions) -> anyhow::Result<()> {
         run(self, to)
     }
@@ -52,15 +43,12 @@ pub trait StudyOptions: Sized {
     }
 
     /// Writes further files that the flags ask for, next to the study's own files.
-    ///
-    /// # Errors
-    /// Errors of writing files.
     fn write_more(&self, _list: &CellList, _journal: &Journal) -> Result<()> {
         Ok(())
     }
 }
 
-/// The flags of a study, and those that every study has.
+/// The flags of a study, and the flags that every study has.
 #[derive(Debug, Args)]
 pub struct Measured<O: Args> {
     /// What is measured.
@@ -80,7 +68,7 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     let gpu = options.open()?;
     let list = engine::list(&study, &gpu, command_line(), to.shard);
     let mut run = Run::begin(to.output.as_deref(), to.resume)?;
-    run.list(&list)?;
+    run.write_list(&list)?;
     let unreadable = engine::unreadable::<<O::Study as Study>::Row>(&list, &run.journal);
     if let [first, ..] = &unreadable[..] {
         let (count, first) = (unreadable.len(), super::printable(first));
@@ -91,30 +79,31 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     let bar = progress::bar(<O::Study as Study>::Row::KIND, engine::steps(&study, &list));
     let keep = &mut |file: &ExtraFile| {
         let Some(folder) = &to.output else { return Ok(()) };
-        Ok(results::keep(&PathInFolder::folder(folder), file)?)
+        Ok(results::write_extra_file(&PathInFolder::folder(folder), file)?)
     };
     let advance = &mut |steps: usize| bar.inc(steps as u64);
     let outcome =
         engine::measure(&mut study, &list, &mut Bench { gpu: &gpu, journal: &mut run.journal, go_on, advance, keep });
     bar.finish_and_clear();
     drop(study);
-    // The files of the run may still have the results that cannot be read in its journal. They are not overwritten with
-    // fewer results.
+    // Results that cannot be read in the journal may still be in the run's files, which are not overwritten with fewer
+    // results.
     if outcome.is_err() && !unreadable.is_empty() {
-        return run.ended(outcome);
+        return run.outcome_with_journal(outcome);
     }
     // Measured rows are written even after an error; that error is reported before an error of writing.
     let rows = engine::rows::<<O::Study as Study>::Row>(&list, &run.journal);
-    let wrote = write(to, &list, &run.journal, &rows).and_then(|()| Ok(options.write_more(&list, &run.journal)?));
-    run.ended(outcome)?;
-    wrote?;
+    let written =
+        write_and_print(to, &list, &run.journal, &rows).and_then(|()| Ok(options.write_more(&list, &run.journal)?));
+    run.outcome_with_journal(outcome)?;
+    written?;
     run.finish()?;
     gpu.check_validation()?;
-    passed(&rows)
+    check_rows(&rows)
 }
 
 /// Writes the results into the folder of the run, if the run has a folder, and prints them.
-fn write<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]) -> anyhow::Result<()> {
+fn write_and_print<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]) -> anyhow::Result<()> {
     let missing = engine::missing::<R>(list, journal);
     let results = Results { rows, list, missing: &missing };
     if let Some(folder) = &to.output {

@@ -38,7 +38,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         return Err(Error::usage(message).into());
     }
     let kind = inputs[0].cells.kind.as_str();
-    let Some(merger) = studies::mergers().into_iter().chain([of_figures()]).find(|m| m.kind == kind) else {
+    let Some(merger) = studies::mergers().into_iter().chain([figures_merger()]).find(|m| m.kind == kind) else {
         let message = format!("is a run of a kind that is not known: {kind}");
         return Err(Error::malformed(&inputs[0].folder, None, message).into());
     };
@@ -56,18 +56,18 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         );
     }
     let mut run = Run::begin_anew(&options.output)?;
-    run.list(&merged.cells)?;
+    run.write_list(&merged.cells)?;
     for line in &merged.lines {
-        run.journal.keep_line(line)?;
+        run.journal.add_line(line)?;
     }
     // Failed cases of the stress study are reported last, once everything is written.
-    let wrote = (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &folder });
-    if wrote.as_ref().is_err_and(|e| e.is::<Error>()) {
-        return wrote;
+    let written = (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &folder });
+    if written.as_ref().is_err_and(|e| e.is::<Error>()) {
+        return written;
     }
     run.finish()?;
-    report(options, &merged)?;
-    wrote
+    print_summary(options, &merged)?;
+    written
 }
 
 /// Refuses merged cells that another version of the program measured, since the page names this program's version.
@@ -103,7 +103,7 @@ fn same_folder(a: &Path, b: &Path) -> bool {
 }
 
 /// The merger of figures, which are no study.
-fn of_figures() -> Merger {
+fn figures_merger() -> Merger {
     let results = ResultKind { read: |_, listed, journal| journal.value(&listed.key).cloned(), is_time: |_| false };
     Merger { kind: "figures", results, check: check_figures, write: write_figures }
 }
@@ -119,7 +119,7 @@ fn check_figures(input: &MergeInput) -> Result<()> {
         let entry = Entry::deserialize(&value).map_err(|e| wrong(format!("is no figure: {e}")))?;
         if let Ok(file) = &entry.file {
             copies::check_name(file).map_err(|why| wrong(format!("has the file {file:?}, which {why}")))?;
-            let places = pictures_of(std::slice::from_ref(input), None, file);
+            let places = picture_candidates(std::slice::from_ref(input), None, file);
             places.iter().try_for_each(copies::check_file)?;
         }
     }
@@ -152,12 +152,12 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
     let device_figures = by_device(&all, |r| &r.device);
     let mut parts = Vec::new();
     for (n, (device, drawn)) in device_figures.iter().enumerate() {
-        let to = if device_figures.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
+        let target = if device_figures.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
         for file in drawn.iter().filter_map(|r| r.entry.file.as_ref().ok()) {
-            copies::copy_file(&pictures_of(inputs, Some(device), file), &to.join(file), must_be_equal)?;
+            copies::copy_file(&picture_candidates(inputs, Some(device), file), &target.join(file), must_be_equal)?;
         }
         let entries: Vec<Entry> = drawn.iter().map(|r| r.entry.clone()).collect();
-        figures::write_page(&to, &entries, device, command)?;
+        figures::write_page(&target, &entries, device, command)?;
         let text = drawn.iter().map(|r| format!("{}\n", r.entry.title)).collect();
         parts.push(DeviceText { title: device_name(device), text, folder: device_folder(n) });
     }
@@ -175,8 +175,8 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
 
 /// Returns the paths where runs may have the picture `file` that `device` drew, or that any device drew if it is
 /// `None`.
-fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<PathInFolder> {
-    let pictures_of_run = |input: &MergeInput| {
+fn picture_candidates(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<PathInFolder> {
+    let candidates_of_run = |input: &MergeInput| {
         let run = PathInFolder::folder(&input.folder);
         // A run of several devices has a folder for each of them.
         let has_device_folders = input.cells.devices.len() > 1;
@@ -184,11 +184,11 @@ fn pictures_of(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -
         let folder = |(n, _): (usize, _)| if has_device_folders { run.join(device_folder(n)) } else { run.clone() };
         devices.map(folder).map(|folder| folder.join(file)).collect::<Vec<_>>()
     };
-    inputs.iter().flat_map(pictures_of_run).collect()
+    inputs.iter().flat_map(candidates_of_run).collect()
 }
 
 /// Prints how many cells of how many devices were merged, and which cells are missing.
-fn report(options: &MergeOptions, merged: &MergedRun) -> anyhow::Result<()> {
+fn print_summary(options: &MergeOptions, merged: &MergedRun) -> anyhow::Result<()> {
     let mut out = printed::out();
     let (cells, missing) = (merged.cells.cells.len(), &merged.missing);
     if options.json {

@@ -54,22 +54,22 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
     let rows = engine::rows::<R>(&merged.cells, &merged.journal);
     let device_rows = by_device(&rows, |r| &r.program().device);
     for (n, (device, _)) in device_rows.iter().enumerate() {
-        let to = if device_rows.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
+        let target = if device_rows.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
         let has_device = |input: &&MergeInput| input.cells.devices.contains(device);
         let device_inputs: Vec<&MergeInput> = inputs.iter().filter(has_device).collect();
         for name in R::FOLDERS {
-            copies::copy_files(&named_folders(&device_inputs, name), &to.join(name), false)?;
+            copies::copy_files(&named_folders(&device_inputs, name), &target.join(name), false)?;
         }
     }
     Results { rows: &rows, list: &merged.cells, missing: &merged.missing }.write(folder)?;
-    passed(&rows)
+    check_rows(&rows)
 }
 
 /// Checks the journal of a run, and the files beside it that merging copies.
 fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
     engine::check::<R>(input).map_err(|(line, why)| wrong_journal(input, line, &why))?;
     let folders = R::FOLDERS.iter().flat_map(|name| named_folders(&[input], name));
-    Ok(folders.into_iter().try_for_each(|folder| copies::check(&folder))?)
+    Ok(folders.into_iter().try_for_each(|folder| copies::check_files(&folder))?)
 }
 
 /// Makes the error for a journal with a result that cannot be right, in the given line if it is known.
@@ -88,6 +88,6 @@ fn named_folders(inputs: &[&MergeInput], name: &str) -> Vec<PathInFolder> {
 }
 
 /// Returns an error if a row fails that has to pass.
-pub fn passed<R: Row>(rows: &[R]) -> anyhow::Result<()> {
+pub fn check_rows<R: Row>(rows: &[R]) -> anyhow::Result<()> {
     R::failure(rows).map_or(Ok(()), |failure| Err(anyhow::anyhow!(failure)))
 }

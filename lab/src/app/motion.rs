@@ -1,6 +1,6 @@
 //! `ssct motion`: how much reflections change while the camera moves, compared with how much they should change.
 
-use super::cli::{CommonOptions, DeviceOptions, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
@@ -20,7 +20,7 @@ pub struct MotionOptions {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x180")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "320x180")]
     pub size: [u32; 2],
     /// Frames of each motion of the camera
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=10_000))]
@@ -50,10 +50,7 @@ impl StudyOptions for MotionOptions {
             (None, None) => scene.views.iter().map(|v| resolve::with_lens(&scene, v.clone(), place)).collect(),
             _ => resolve::view(&scene, place, None).map(|v| vec![v]),
         }?;
-        let roughness: Vec<f32> = match &place.roughness[..] {
-            [] => ROUGHNESS.to_vec(),
-            _ => resolve::globals(place)?.iter().filter_map(|g| g.roughness).collect(),
-        };
+        let roughness = resolve::globals_or(place, &ROUGHNESS)?.iter().filter_map(|g| g.roughness).collect();
         let setup = self.common.method_options.setup(self.size);
         let methods = resolve::methods(&self.method, &setup, &[&scene], &resolve::lenses(&scene, &views))?;
         let (frames, rays) = (self.frames, self.rays);

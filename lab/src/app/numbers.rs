@@ -7,9 +7,9 @@ use std::any::TypeId;
 
 /// Returns the command line with options that take `-0.1` after a blank as well as after `=`, and whose errors say that
 /// a text is no number.
-pub fn with_sentences(command: Command) -> Command {
+pub fn with_number_parsers(command: Command) -> Command {
     let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
-    let command = nested.iter().fold(command, |command, name| command.mut_subcommand(name, with_sentences));
+    let command = nested.iter().fold(command, |command, name| command.mut_subcommand(name, with_number_parsers));
     command.mut_args(|argument| {
         if argument.is_positional() || !argument.get_action().takes_values() {
             return argument;
@@ -17,7 +17,7 @@ pub fn with_sentences(command: Command) -> Command {
         let kind = argument.get_value_parser().type_id();
         let argument = argument.allow_negative_numbers(true);
         if kind == TypeId::of::<f32>() {
-            argument.value_parser(ValueParser::new(number))
+            argument.value_parser(ValueParser::new(parse_number))
         } else if kind == TypeId::of::<[u32; 2]>() {
             // `-1x5` is neither a number nor an option.
             argument.allow_hyphen_values(true)
@@ -28,25 +28,25 @@ pub fn with_sentences(command: Command) -> Command {
 }
 
 /// Reads a number. The command that knows the number's meaning checks its range.
-fn number(text: &str) -> Result<f32, String> {
+fn parse_number(text: &str) -> Result<f32, String> {
     text.trim().parse().map_err(|_| format!("{text:?} is no number; write it as 0.5"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::cli::size;
+    use crate::app::cli::parse_size;
 
     #[derive(clap::Parser)]
     struct Options {
         #[arg(long, value_delimiter = ',')]
         roughness: Vec<f32>,
-        #[arg(long, value_parser = size)]
+        #[arg(long, value_parser = parse_size)]
         size: Option<[u32; 2]>,
     }
 
     fn parse(words: &[&str]) -> Result<(Vec<f32>, Option<[u32; 2]>), String> {
-        let command = with_sentences(<Options as clap::CommandFactory>::command().no_binary_name(true));
+        let command = with_number_parsers(<Options as clap::CommandFactory>::command().no_binary_name(true));
         let matches = command.try_get_matches_from(words).map_err(|e| e.to_string())?;
         let options = <Options as clap::FromArgMatches>::from_arg_matches(&matches).map_err(|e| e.to_string())?;
         Ok((options.roughness, options.size))

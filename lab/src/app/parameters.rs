@@ -71,17 +71,14 @@ pub struct TypedVariant {
 
 impl TypedVariant {
     /// The method with a base's setup, in which the variant's own flags replace values.
-    ///
-    /// # Errors
-    /// Errors of [`methods::find`] and [`methods::check_read`].
-    pub fn over(&self, base: &Setup) -> crate::error::Result<Variant> {
+    pub fn with_base(&self, base: &Setup) -> crate::error::Result<Variant> {
         let method = methods::find(&self.method)?;
         methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;
         let mut setup = base.clone();
         if self.values.preset != Preset::default() {
             setup.values.preset = self.values.preset;
         }
-        for name in self.values.given() {
+        for name in self.values.given_names() {
             if let Some((row, _)) = methods::parameters().iter().find(|(p, _)| p.name == name) {
                 setup.values.set(row, self.values.value(row));
             }
@@ -91,7 +88,7 @@ impl TypedVariant {
 }
 
 /// Parses a variant such as `stochastic --history on`.
-pub fn typed_variant(text: &str) -> Result<TypedVariant, String> {
+pub fn parse_variant(text: &str) -> Result<TypedVariant, String> {
     let command = Command::new("variant").no_binary_name(true).arg(Arg::new("METHOD").required(true));
     let command = MethodOptions::augment_args(command).disable_help_flag(true);
     // Only the first line of an error is kept, since the usage that clap adds shows a command that nobody can type.
@@ -106,7 +103,7 @@ pub fn typed_variant(text: &str) -> Result<TypedVariant, String> {
 }
 
 /// A parser of the names of choices.
-pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
+pub fn choice_parser<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
     let possible = T::CHOICES.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim()));
     PossibleValuesParser::new(possible.collect::<Vec<_>>())
         .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
@@ -114,15 +111,15 @@ pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
 
 /// Makes the flag for parameters that have one name, each given with the methods that read it. The help has the values
 /// of both presets, which may differ between methods; all these parameters accept the same values.
-fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
-    let (parameter, _) = &same[0];
+fn flag(declarations: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
+    let (parameter, _) = &declarations[0];
     let values = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
         let names: Vec<_> = methods.iter().map(|m| m.name).collect();
         let names = if names.len() < 4 { format!("{}; ", names.join(", ")) } else { String::new() };
         let author = if p.author == p.published { String::new() } else { format!("; author: {}", p.author) };
         format!("[{names}published: {}{author}]", p.published)
     };
-    let values = same.iter().map(values).collect::<Vec<_>>().join(" ");
+    let values = declarations.iter().map(values).collect::<Vec<_>>().join(" ");
     let excluded = EXCLUSIONS.iter().filter(|exclusion| exclusion.parameter == parameter.name);
     let refused: String = excluded.map(|exclusion| format!(" It is refused {}.", exclusion.refused)).collect();
     let about = format!("{}{refused} {values}", parameter.help);
@@ -131,26 +128,28 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
         .long(parameter.typed_name())
         .help(first.to_owned())
         .long_help(about.clone())
-        .help_heading(heading(same));
-    let row = parameter.clone();
-    let parsed = StringValueParser::new().try_map(move |text| match row.parse(&text) {
+        .help_heading(heading(declarations));
+    let parsed_parameter = parameter.clone();
+    let parser = StringValueParser::new().try_map(move |text| match parsed_parameter.parse(&text) {
         Ok(_) => Ok(text),
-        Err(_) => Err(format!("it takes {}", row.domain)),
+        Err(_) => Err(format!("it takes {}", parsed_parameter.domain)),
     });
     match &parameter.domain {
-        domain if domain.is_switch() => {
-            argument.value_parser(possible(parameter)).num_args(0..=1).default_missing_value("on").value_name("on|off")
-        }
-        Domain::Count(..) => argument.value_parser(parsed).value_name("N"),
-        Domain::Number { .. } => argument.value_parser(parsed).value_name("X"),
+        domain if domain.is_switch() => argument
+            .value_parser(possible_values(parameter))
+            .num_args(0..=1)
+            .default_missing_value("on")
+            .value_name("on|off"),
+        Domain::Count(..) => argument.value_parser(parser).value_name("N"),
+        Domain::Number { .. } => argument.value_parser(parser).value_name("X"),
         Domain::ChoicesOrCount(named, least, most) => {
             let names: Vec<_> = named.iter().map(|c| c.name).collect();
             let choices: String = named.iter().map(|c| format!("\n- {}: {}", c.name, c.help)).collect();
             let name = format!("N|{}", names.join("|"));
             let help = format!("{about}{choices}\n- N: so many, from {least} to {most}");
-            argument.value_parser(parsed).value_name(name).long_help(help)
+            argument.value_parser(parser).value_name(name).long_help(help)
         }
-        domain => argument.value_parser(possible(parameter)).value_name(match domain {
+        domain => argument.value_parser(possible_values(parameter)).value_name(match domain {
             Domain::Numbers(_) => "X",
             _ => "NAME",
         }),
@@ -159,12 +158,12 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
 
 /// Returns the heading of the flag for parameters that have one name, each given with the methods that read it. The
 /// heading is [`METHOD`] for a parameter of the effect, or else has the names of these methods.
-fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
-    let (parameter, _) = &same[0];
+fn heading(declarations: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
+    let (parameter, _) = &declarations[0];
     if EffectParams::table().iter().any(|known| known.name == parameter.name) {
         return METHOD.to_owned();
     }
-    let mut names: Vec<_> = same.iter().flat_map(|(_, methods)| methods.iter().map(|m| m.name)).collect();
+    let mut names: Vec<_> = declarations.iter().flat_map(|(_, methods)| methods.iter().map(|m| m.name)).collect();
     // The names get the order of the table of methods, since declarations of one parameter may list its methods in
     // different orders.
     names.sort_by_key(|name| methods::all().iter().position(|m| m.name == *name));
@@ -172,7 +171,7 @@ fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
 }
 
 /// Makes the parser of a parameter that takes few values, all of which the help lists.
-fn possible(parameter: &Parameter) -> ValueParser {
+fn possible_values(parameter: &Parameter) -> ValueParser {
     let few = match &parameter.domain {
         Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
         domain => domain
@@ -192,7 +191,7 @@ impl Args for MethodOptions {
             .value_name("NAME")
             .help("Whose constants a published method uses")
             .long_help("Whose constants a published method uses [default: published]")
-            .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
+            .value_parser(choice_parser::<Preset>().map(|p| p.name().to_owned()));
         // `custom_methods` reads the value of this flag, since methods from folders are read before the other flags are known.
         let include = Arg::new(INCLUDE)
             .long(INCLUDE)
@@ -268,8 +267,8 @@ impl FromArgMatches for BesideGBufferOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let wrong = |message: String| clap::Error::raw(clap::error::ErrorKind::ValueValidation, message + "\n");
         let typed = MethodOptions::typed(matches);
-        let of_methods = typed.iter().filter(|(name, _)| name != CAPTURES);
-        let method_options = MethodOptions::from_typed(of_methods.map(|(name, text)| (name.as_str(), text.as_str())))
+        let method_flags = typed.iter().filter(|(name, _)| name != CAPTURES);
+        let method_options = MethodOptions::from_typed(method_flags.map(|(name, text)| (name.as_str(), text.as_str())))
             .map_err(|e| wrong(e.to_string()))?;
         let captures = matches.get_one::<PathBuf>(CAPTURES).filter(|folder| folder.as_os_str() != "none");
         if let Some(folder) = captures.filter(|folder| !folder.is_dir()) {
@@ -279,7 +278,7 @@ impl FromArgMatches for BesideGBufferOptions {
                 folder.display()
             )));
         }
-        if captures.is_some() && method_options.values.given().any(|name| name == "capture_side") {
+        if captures.is_some() && method_options.values.given_names().any(|name| name == "capture_side") {
             return Err(wrong("--capture-side: captures that come from a folder have the side that they have".into()));
         }
         Ok(Self { method_options, captures: captures.cloned() })
@@ -307,7 +306,7 @@ mod tests {
     #[test]
     fn every_parameter_has_a_flag_that_reaches_the_record() {
         for method in METHODS {
-            for row in method.reads() {
+            for row in method.read_parameters() {
                 let values = row.domain.all_if_few().unwrap_or_else(|| vec![row.published, row.author]);
                 for value in values {
                     let flag = format!("--{}={value}", row.typed_name());
@@ -323,17 +322,17 @@ mod tests {
     #[test]
     fn the_flags_of_a_variant_count_before_those_outside() {
         let base = parse(&["--preset", "author", "--fade", "off", "--history", "on"]).expect("flags").setup([8, 8]);
-        let typed = typed_variant("stochastic --history off  --history-frames 4").expect("a variant");
-        let variant = typed.over(&base).expect("a method");
+        let typed = parse_variant("stochastic --history off  --history-frames 4").expect("a variant");
+        let variant = typed.with_base(&base).expect("a method");
         let effect = variant.setup.effect();
         assert_eq!((variant.method.name, variant.setup.values.preset), ("stochastic", Preset::Author));
         assert_eq!((effect.fade, effect.history, effect.history_frames), (false, HistoryUse::Off, 4));
         for (wrong, says) in [("", "required"), ("ssct --fade maybe", "maybe"), ("ssct --no-such 1", "--no-such")] {
-            let message = typed_variant(wrong).expect_err(wrong);
+            let message = parse_variant(wrong).expect_err(wrong);
             assert!(message.contains(says) && !message.contains('\n'), "{wrong}: {message}");
         }
         for wrong in ["none", "ssct --stochastic-rays 2"] {
-            assert!(typed_variant(wrong).expect("flags that there are").over(&base).is_err(), "{wrong}");
+            assert!(parse_variant(wrong).expect("flags that there are").with_base(&base).is_err(), "{wrong}");
         }
     }
 
@@ -380,7 +379,7 @@ mod tests {
     fn flags_read_as_they_always_did() {
         let options = parse(&["--preset", "author", "--cone-samples=3", "--split", "--fade", "off"]).expect("flags");
         assert_eq!(options.values.preset, Preset::Author);
-        assert_eq!(options.values.given().collect::<Vec<_>>(), ["cone_samples", "fade", "split"]);
+        assert_eq!(options.values.given_names().collect::<Vec<_>>(), ["cone_samples", "fade", "split"]);
         for wrong in ["--cone-samples=0", "--cone-samples=many", "--fade=maybe", "--march-stride=0", "--preset=mine"] {
             assert!(parse(&[wrong]).is_err(), "{wrong}");
         }

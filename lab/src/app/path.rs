@@ -1,6 +1,6 @@
 //! `ssct path`: frames per second while the camera moves.
 
-use super::cli::{CommonOptions, DeviceOptions, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ pub struct PathOptions {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Widths and heights in pixels; by default 960x540
-    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
     /// Path of the camera, by name or file
     ///

@@ -32,9 +32,6 @@ pub fn parse(text: &str) -> std::result::Result<[u32; 2], String> {
 }
 
 /// Refuses a pixel outside of a picture.
-///
-/// # Errors
-/// [`Usage`](ssct::Error::Usage) with the last column and row that there are.
 pub fn check([x, y]: [u32; 2], [width, height]: [u32; 2]) -> Result<()> {
     if x < width && y < height {
         return Ok(());
@@ -64,9 +61,6 @@ pub struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     /// Reads back the G-buffer of a shot, whose image was rendered with its hits, and prepares the scene for rays.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn new(
         stage: &mut Stage,
         shot: &Shot,
@@ -84,10 +78,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Explains a pixel.
-    ///
-    /// # Errors
-    /// [`Usage`](ssct::Error::Usage) for a pixel outside of the picture.
-    pub fn explained(&self, pixel: [u32; 2]) -> Result<PixelReport> {
+    pub fn explain(&self, pixel: [u32; 2]) -> Result<PixelReport> {
         let GBufferData { width, height, .. } = self.inspection.gbuffer;
         explain(&self.inspection, self.made, &self.world, self.method, pixel)
             .ok_or_else(|| outside(pixel, [width, height]))

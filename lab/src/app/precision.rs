@@ -1,11 +1,10 @@
 //! `ssct precision`: error against the bytes of a G-buffer's pixel.
 
-use super::cli::{CommonOptions, DeviceOptions, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_size};
 use super::error::{QUICK_SIZE, QUICK_VIEWS};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::stage::Globals;
 use crate::study::precision::PrecisionStudy;
 use crate::study::stress;
 use clap::Args;
@@ -31,7 +30,7 @@ pub struct PrecisionOptions {
     /// Width and height in pixels; by default 480x270
     ///
     /// With --quick, the default is 320x180.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Two views, small images
     #[arg(long)]
@@ -57,13 +56,7 @@ impl StudyOptions for PrecisionOptions {
             }
             _ => vec![resolve::view(&scene, place, None)?],
         };
-        let globals = match &place.roughness[..] {
-            [] => {
-                let one = resolve::one_globals(place, "no roughness was given")?;
-                ROUGHNESS.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect()
-            }
-            _ => resolve::globals(place)?,
-        };
+        let globals = resolve::globals_or(place, &ROUGHNESS)?;
         let size = self.size.unwrap_or(if self.quick { QUICK_SIZE } else { [480, 270] });
         let methods = match &self.method[..] {
             [] => {

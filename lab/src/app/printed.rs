@@ -1,7 +1,7 @@
 //! Standard output. Every text that a command prints loses here the characters that a terminal would obey, which the name of a file, a
 //! scene or a shard may contain.
 
-use crate::study::names::{is_obeyed_in_lines, without_obeyed};
+use crate::study::names::{is_unsafe_in_lines, with_replacements};
 use std::io::{Result, StdoutLock, Write};
 
 /// Standard output, without characters that a terminal obeys.
@@ -16,7 +16,7 @@ impl Write for PrintableOutput {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         // Texts are written in one piece, so that no character is split between two calls.
         let text = String::from_utf8_lossy(bytes);
-        self.0.write_all(without_obeyed(&text, is_obeyed_in_lines).as_bytes())?;
+        self.0.write_all(with_replacements(&text, is_unsafe_in_lines).as_bytes())?;
         Ok(bytes.len())
     }
 
@@ -26,9 +26,6 @@ impl Write for PrintableOutput {
 }
 
 /// Prints a value as JSON and ends the line. Characters that a terminal obeys are escaped as numbers, so that nothing is lost.
-///
-/// # Errors
-/// Errors of standard output.
 pub fn json(value: &serde_json::Value) -> Result<()> {
     writeln!(out(), "{}", crate::study::names::json_text(&value.to_string()))
 }

@@ -12,7 +12,7 @@ use glam::Vec3;
 use ssct::gpu::Pixels;
 use ssct_scenes::{Camera, GBufferData, Material, Scene};
 use ssct_truth::reference::first_hits::FirstHits;
-use ssct_truth::reference::kept_samples::{short, whole_file};
+use ssct_truth::reference::kept_samples::{short_name, whole_file};
 use ssct_truth::reference::paths::Paths;
 use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world::state::WorldState;
@@ -43,7 +43,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     let world = World::new(&scene, &materials);
     if let Some(bounces) = options.diffuse_bounces {
-        return Ok(images::write_image(output, &by_paths(options, &world, &camera, bounces)?)?);
+        return Ok(images::write_image(output, &diffuse_image(options, &world, &camera, bounces)?)?);
     }
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
@@ -59,18 +59,20 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
             let part = ReferencePart::new(&reference, (&scene, &view), shard, options.max_rays);
             reference_part::sample(&reference, &part, folder, &mut progress)?
         }
-        _ => sample(&reference, &target(options), options.cache.clone().or_else(default_cache), &mut progress)?,
+        _ => {
+            sample(&reference, &sampling_target(options), options.cache.clone().or_else(default_cache), &mut progress)?
+        }
     };
     bar.finish_and_clear();
 
-    let made = reference.image(&state);
-    let shown = if options.reflection_only { &made.reflection } else { &made.composite };
-    images::write_image(output, &pixels(shown, options.size))?;
+    let image = reference.image(&state);
+    let shown = if options.reflection_only { &image.reflection } else { &image.composite };
+    images::write_image(output, &to_pixels(shown, options.size))?;
     if options.json {
         let summary = serde_json::json!({
             "kind": "render", "definitions": DEFINITIONS, "scene": scene.name, "view": view.name, "method": "reference",
             "width": options.size[0], "height": options.size[1],
-            "rays": made.samples.iter().max(), "standard_error": state.overall_standard_error(),
+            "rays": image.samples.iter().max(), "standard_error": state.overall_standard_error(),
         });
         printed::json(&serde_json::json!([summary]))?;
     }
@@ -85,8 +87,8 @@ fn sample(
     cache: Option<PathBuf>,
     progress: &mut dyn FnMut(&WorldState) -> Result<()>,
 ) -> Result<WorldState> {
-    let state_file = cache.map(|folder| kept_in(&folder, reference));
-    let (mut state, why_unusable) = match &state_file {
+    let state_path = cache.map(|folder| state_file(&folder, reference));
+    let (mut state, why_unusable) = match &state_path {
         Some(path) => reference.resume(path),
         None => (reference.start(), None),
     };
@@ -95,7 +97,7 @@ fn sample(
     }
     reference.run(&mut state, target, &mut |state| {
         progress(state)?;
-        if let Some(path) = &state_file {
+        if let Some(path) = &state_path {
             state.save(path)?;
         }
         Ok::<_, Error>(())
@@ -112,40 +114,40 @@ pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u3
     let target =
         SamplingTarget { standard_error: 0.0, samples_min: rays, samples_max: rays, samples_per_pass: RAYS_AT_ONCE };
     let state = sample(&reference, &target, Some(cache.to_owned()), &mut |_| go_on())?;
-    Ok(pixels(&reference.image(&state).composite, [data.width, data.height]))
+    Ok(to_pixels(&reference.image(&state).composite, [data.width, data.height]))
 }
 
 /// Samples the composite of a loaded scene, or the reflection if the options ask for it. No samples are kept.
-pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
+pub fn sample_image(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let globals = resolve::one_globals(&options.common.place, "render makes one image")?;
     let view = resolve::view(scene, &options.common.place, None)?;
     let materials = globals.materials(scene, &view);
     let world = World::new(scene, &materials);
     let camera = view.camera(scene, options.size);
     if let Some(bounces) = options.diffuse_bounces {
-        return by_paths(options, &world, &camera, bounces);
+        return diffuse_image(options, &world, &camera, bounces);
     }
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
     let reference = WorldReference::new(&world, &first_hits, &camera, 1).with_bounces(effect.bounces);
     let mut state = reference.start();
-    reference.run(&mut state, &target(options), &mut |_| Ok::<_, Error>(()))?;
-    let made = reference.image(&state);
-    let shown = if options.reflection_only { &made.reflection } else { &made.composite };
-    Ok(pixels(shown, options.size))
+    reference.run(&mut state, &sampling_target(options), &mut |_| Ok::<_, Error>(()))?;
+    let image = reference.image(&state);
+    let shown = if options.reflection_only { &image.reflection } else { &image.composite };
+    Ok(to_pixels(shown, options.size))
 }
 
 /// The image of diffuse paths, along which surfaces pass on light `bounces` times.
-fn by_paths(options: &RenderOptions, world: &World, camera: &Camera, bounces: u32) -> Result<Pixels> {
+fn diffuse_image(options: &RenderOptions, world: &World, camera: &Camera, bounces: u32) -> Result<Pixels> {
     let paths = Paths::new(world, bounces, 1).ok_or_else(|| {
         let scene = &world.scene.name;
         Error::usage(format!("--diffuse-bounces {bounces}: the scene {scene} has no rectangular area light"))
     })?;
-    Ok(pixels(&paths.image(camera, options.size, options.max_rays), options.size))
+    Ok(to_pixels(&paths.image(camera, options.size, options.max_rays), options.size))
 }
 
 /// The target that the options set for sampling.
-fn target(options: &RenderOptions) -> SamplingTarget {
+fn sampling_target(options: &RenderOptions) -> SamplingTarget {
     SamplingTarget {
         standard_error: f64::from(options.standard_error),
         samples_max: options.max_rays,
@@ -155,13 +157,13 @@ fn target(options: &RenderOptions) -> SamplingTarget {
 }
 
 /// Makes an image of colours, row by row, with four channels, of which the fourth is 1.
-fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
+fn to_pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
     Pixels { width, height, channels: 4, values: color.iter().flat_map(|c| c.extend(1.0).to_array()).collect() }
 }
 
-/// Returns the path of the file in `folder` that keeps the state of a reference.
-pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
-    whole_file(folder, &short(&reference.fingerprint()))
+/// The path of the file in `folder` that keeps the state of a reference.
+pub fn state_file(folder: &Path, reference: &WorldReference) -> PathBuf {
+    whole_file(folder, &short_name(&reference.fingerprint()))
 }
 
 /// The folder that keeps states if `--cache` names no other: `ssct` in the user's folder of caches. `None` if the

@@ -15,10 +15,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use ssct_scenes::inside::{FolderEntry, PathInFolder};
 use ssct_scenes::{Scene, View};
-use ssct_truth::reference::kept_samples::{part_file, short, whole_file};
+use ssct_truth::reference::kept_samples::{part_file, short_name, whole_file};
 use ssct_truth::reference::world::WorldReference;
 use ssct_truth::reference::world::state::WorldState;
-use ssct_truth::reference::world_part::{self, MergedParts, WorldPart, named, samples_of};
+use ssct_truth::reference::world_part::{self, MergedParts, WorldPart, samples_of, samples_text};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -68,7 +68,7 @@ impl ReferencePart {
             scene: scene.name.clone(),
             view: view.name.clone(),
             size: [reference.first_hits.width, reference.first_hits.height],
-            fingerprint: short(&reference.fingerprint()),
+            fingerprint: short_name(&reference.fingerprint()),
             rays,
             shard,
             samples: [samples.start, samples.end],
@@ -76,7 +76,7 @@ impl ReferencePart {
     }
 
     /// The path of the file in `folder` that keeps the sums of the share's samples.
-    fn sums_in(&self, folder: &Path) -> PathBuf {
+    fn sums_file(&self, folder: &Path) -> PathBuf {
         part_file(folder, &self.fingerprint, &(self.samples[0]..self.samples[1]))
     }
 
@@ -88,7 +88,7 @@ impl ReferencePart {
 
     /// Returns the names and values of the properties that must be equal in all shares of one reference. The
     /// fingerprint is not among them, since shares are grouped by it.
-    fn must_agree(&self) -> [(&'static str, String); 4] {
+    fn shared_properties(&self) -> [(&'static str, String); 4] {
         [
             ("version", self.version.clone()),
             ("commit", self.commit.clone()),
@@ -107,7 +107,7 @@ pub fn sample(
     progress: &mut dyn FnMut(&WorldState) -> Result<()>,
 ) -> Result<WorldState> {
     let [first, end] = part.samples;
-    let sums_file = part.sums_in(folder);
+    let sums_file = part.sums_file(folder);
     if first == end {
         eprintln!(
             "ssct: warning: shard {} has no rays: {} are too few for {}",
@@ -129,8 +129,14 @@ pub fn sample(
     Ok(state)
 }
 
-/// A share as files keep it: the file of its description, the description, and the sums, if there are some already.
-type KeptPart = (PathBuf, ReferencePart, Option<WorldPart>);
+/// A share as files keep it.
+struct KeptPart {
+    /// The file of the description.
+    path: PathBuf,
+    description: ReferencePart,
+    /// The sums of the samples; `None` before the first of them are kept.
+    sums: Option<WorldPart>,
+}
 
 /// Reads the shares that a folder holds.
 fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
@@ -143,15 +149,17 @@ fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
             Error::malformed(&path, line, format!("is no share of a reference: {why}"))
         };
         let text = place.bytes()?;
-        let part: ReferencePart = serde_json::from_slice(&text).map_err(|e| wrong(Some(e.line()), e.to_string()))?;
+        let description: ReferencePart =
+            serde_json::from_slice(&text).map_err(|e| wrong(Some(e.line()), e.to_string()))?;
         // The digest becomes part of a file's name, so it may have hexadecimal digits only.
-        if part.fingerprint.is_empty() || !part.fingerprint.chars().all(|c| c.is_ascii_hexdigit()) {
-            return Err(wrong(None, format!("its digest is {:?}", part.fingerprint)));
+        let digest = &description.fingerprint;
+        if digest.is_empty() || !digest.chars().all(|c| c.is_ascii_hexdigit()) {
+            return Err(wrong(None, format!("its digest is {digest:?}")));
         }
-        let sums_file = part.sums_in(folder);
+        let sums_file = description.sums_file(folder);
         let has_sums = inside.join(sums_file.file_name().unwrap_or_default()).open()?.is_some();
         let sums = has_sums.then(|| WorldPart::read(&sums_file)).transpose()?;
-        parts.push((path, part, sums));
+        parts.push(KeptPart { path, description, sums });
     }
     Ok(parts)
 }
@@ -172,24 +180,23 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let mut references: BTreeMap<String, Vec<KeptPart>> = BTreeMap::new();
     for folder in &options.folders {
         for part in parts_in(folder)? {
-            let (_, description, _) = &part;
-            references.entry(description.fingerprint.clone()).or_default().push(part);
+            references.entry(part.description.fingerprint.clone()).or_default().push(part);
         }
     }
     let mut merged = Vec::new();
     let mut missing = Vec::new();
     for parts in references.into_values() {
-        let (first_path, first, _) = &parts[0];
-        let first = first.clone();
-        for (path, part, _) in &parts[1..] {
-            if let Some(difference) = difference_of_properties(first.must_agree(), part.must_agree()) {
-                let message = format!("is of another reference than {}: {difference}", first_path.display());
+        let first = parts[0].description.clone();
+        for KeptPart { path, description, .. } in &parts[1..] {
+            let difference = difference_of_properties(first.shared_properties(), description.shared_properties());
+            if let Some(difference) = difference {
+                let message = format!("is of another reference than {}: {difference}", parts[0].path.display());
                 return Err(Error::malformed(path, None, message).into());
             }
         }
-        let sums = parts.into_iter().filter_map(|(_, _, sums)| sums).collect();
+        let sums = parts.into_iter().filter_map(|part| part.sums).collect();
         let MergedParts { merged: whole, missing: gaps } = world_part::merge(sums, first.rays)?;
-        missing.extend(gaps.iter().map(|samples| format!("{} of {}", named(samples), first.name())));
+        missing.extend(gaps.iter().map(|samples| format!("{} of {}", samples_text(samples), first.name())));
         merged.extend(whole.map(|whole| (first, whole)));
     }
     if !missing.is_empty() && !options.partial {
@@ -202,11 +209,15 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     for (part, whole) in &merged {
         whole.save(&whole_file(&options.output, &part.fingerprint))?;
     }
-    report(options, &merged, &missing)
+    print_summary(options, &merged, &missing)
 }
 
 /// Prints the rays of each merged reference with the command that shows it, and the samples that are missing.
-fn report(options: &MergeOptions, merged: &[(ReferencePart, WorldPart)], missing: &[String]) -> anyhow::Result<()> {
+fn print_summary(
+    options: &MergeOptions,
+    merged: &[(ReferencePart, WorldPart)],
+    missing: &[String],
+) -> anyhow::Result<()> {
     let mut out = printed::out();
     if options.json {
         let entry = |(part, whole): &(ReferencePart, WorldPart)| json!({"scene": part.scene, "view": part.view, "size": part.size, "rays": whole.samples().end});

@@ -10,7 +10,7 @@ use crate::report::figures::Figure;
 use crate::report::pixel::text;
 use crate::report::{figures, images};
 use crate::stage::{Shot, Stage, image};
-use crate::study::record::{DEFINITIONS, recorded};
+use crate::study::record::{DEFINITIONS, recorded_setup};
 use ssct::methods::{self, Prepared, Setup, Wants};
 use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
@@ -40,7 +40,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
-    for need in method.lacks(&scene) {
+    for need in method.unmet_needs(&scene) {
         let (method, need, scene) = (method.name, need.words(), super::printable(&scene.name));
         eprintln!("ssct: warning: {method} reflects {need} alone, and scene {scene} has none: the reflection is black");
     }
@@ -59,18 +59,18 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let needs_judge = options.dump.is_some() || options.pixel.is_some();
     let judge = needs_judge.then(|| Judge::new(&mut stage, &shot, &rendered, subject)).transpose()?;
     let explained = match (&judge, options.pixel) {
-        (Some(judge), Some(pixel)) => Some(judge.explained(pixel)?),
+        (Some(judge), Some(pixel)) => Some(judge.explain(pixel)?),
         _ => None,
     };
 
     let intermediates = rendered.intermediates.as_ref();
-    if let (Some(folder), Some(all), Some(judge)) = (&options.dump, intermediates, &judge) {
+    if let (Some(folder), Some(images), Some(judge)) = (&options.dump, intermediates, &judge) {
         let (lens, reflection, verdicts) = (&camera.lens, &rendered.reflection, &judge.verdicts());
-        Dump { intermediates: all, lens, reflection, verdicts }.write(&PathInFolder::folder(folder))?;
+        Dump { intermediates: images, lens, reflection, verdicts }.write(&PathInFolder::folder(folder))?;
     }
     if let Some(path) = &options.output {
         match (options.figure, intermediates) {
-            (Some(figure), Some(all)) => figures::draw(figure, all, &camera.lens)?.write_png(path)?,
+            (Some(figure), Some(images)) => figures::draw(figure, images, &camera.lens)?.write_png(path)?,
             _ if options.reflection_only => images::write_image(path, &rendered.reflection)?,
             _ => images::write_image(path, &rendered.composite)?,
         }
@@ -79,7 +79,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let summary = serde_json::json!({
             "kind": "render", "definitions": DEFINITIONS, "scene": scene.name, "view": view.name,
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
-            "setup": recorded(&setup, Some(method), &camera.lens, &globals),
+            "setup": recorded_setup(&setup, Some(method), &camera.lens, &globals),
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
             "prepared": shot.prepared(), "pixel": explained,
             "validation": common.device.validation.then(|| gpu.violations().len()),
@@ -87,8 +87,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         printed::json(&serde_json::json!([summary]))?;
     } else {
         let passes = options.explain.then(|| explain(&rendered, shot.prepared()));
-        let all = passes.into_iter().chain(explained.as_ref().map(text)).collect::<Vec<_>>().join("\n");
-        printed::out().write_all(all.as_bytes())?;
+        let texts = passes.into_iter().chain(explained.as_ref().map(text)).collect::<Vec<_>>();
+        printed::out().write_all(texts.join("\n").as_bytes())?;
     }
     drop((shot, stage));
     gpu.check_validation()?;

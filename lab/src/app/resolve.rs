@@ -123,8 +123,8 @@ pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Res
 
 /// Warns of faults of a view that flags place; the views of a scene file get the same warnings.
 fn warn_of_view_faults(scene: &Scene, view: &View) {
-    let found = scene_file::seen::wrong(scene, std::slice::from_ref(view)).into_iter().flatten();
-    found.for_each(|what| eprintln!("ssct: warning: --eye and --look-at: the view {what}"));
+    let faults = scene_file::seen::faults(scene, std::slice::from_ref(view)).into_iter().flatten();
+    faults.for_each(|fault| eprintln!("ssct: warning: --eye and --look-at: the view {fault}"));
 }
 
 /// A view with the lens that the flags ask for.
@@ -172,12 +172,12 @@ pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
         return Ok(CameraPath::through_views(scene)?);
     }
     let names: Vec<&str> = [VIEWS].into_iter().chain(scene.paths.iter().map(|p| p.name.as_str())).collect();
-    let there = names.join(", ");
-    Err(Error::usage(format!("{flag} {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
+    let known = names.join(", ");
+    Err(Error::usage(format!("{flag} {name}: neither a path of scene {} ({known}) nor a .toml file", scene.name)))
 }
 
 /// Refuses a name that no mesh has; the error lists the names of all meshes.
-pub fn meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
+pub fn check_meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
     let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -209,6 +209,15 @@ pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     distinct_values(&options.roughness).into_iter().map(|r| Ok(factors(Some(in_unit("--roughness", r)?)))).collect()
 }
 
+/// The global factors that flags give; without `--roughness`, one set for each of the usual roughness values.
+pub fn globals_or(options: &SceneOptions, usual: &[f32]) -> Result<Vec<Globals>> {
+    let given = globals(options)?;
+    if let [factors @ Globals { roughness: None, .. }] = given[..] {
+        return Ok(usual.iter().map(|r| Globals { roughness: Some(*r), ..factors }).collect());
+    }
+    Ok(given)
+}
+
 /// The global factors of a command that takes one roughness alone; the error gives `why` as the reason.
 pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     match globals(options)?[..] {
@@ -228,12 +237,9 @@ pub fn distinct_values_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T
 }
 
 /// The variants that were typed, each once, over a base setup.
-///
-/// # Errors
-/// Errors of [`TypedVariant::over`].
 pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Variant>> {
     let mut variants: Vec<Variant> = Vec::new();
-    for variant in typed.iter().map(|typed| typed.over(base)) {
+    for variant in typed.iter().map(|typed| typed.with_base(base)) {
         let variant = variant?;
         let is_same = |known: &Variant| known.method.name == variant.method.name && known.setup == variant.setup;
         if !variants.iter().any(is_same) {
@@ -252,28 +258,33 @@ pub fn methods(
     lenses: &[Lens],
 ) -> Result<Vec<&'static MethodInfo>> {
     let chosen = methods::choose(names, setup)?;
-    showing(if names.is_empty() { methods_taking_lenses(chosen, lenses) } else { chosen }, |method| method, scenes)
+    let methods = if names.is_empty() { methods_taking_lenses(chosen, lenses) } else { chosen };
+    leave_out_lacking(methods, |method| method, scenes)
 }
 
-/// Leaves out items whose method shows nothing in any of the scenes, since it lacks what it needs. Prints for each scene which methods are
-/// left out there. `method` returns the method of an item.
-pub fn showing<T>(all: Vec<T>, method: impl Fn(&T) -> &'static MethodInfo, scenes: &[&Scene]) -> Result<Vec<T>> {
+/// Leaves out items whose method shows nothing, since each of the scenes lacks what the method needs. Prints for each scene which methods
+/// show nothing there. `method` returns the method of an item.
+pub fn leave_out_lacking<T>(
+    all: Vec<T>,
+    method: impl Fn(&T) -> &'static MethodInfo,
+    scenes: &[&Scene],
+) -> Result<Vec<T>> {
     for scene in scenes {
-        let mut lacking: Vec<(Need, Vec<&str>)> = Vec::new();
+        let mut left_out: Vec<(Need, Vec<&str>)> = Vec::new();
         for method in all.iter().map(&method) {
-            let Some(need) = method.lacks(scene).first().copied() else { continue };
-            match lacking.iter_mut().find(|(known, _)| *known == need) {
+            let Some(need) = method.unmet_needs(scene).first().copied() else { continue };
+            match left_out.iter_mut().find(|(known, _)| *known == need) {
                 Some((_, names)) if names.contains(&method.name) => {}
                 Some((_, names)) => names.push(method.name),
-                None => lacking.push((need, vec![method.name])),
+                None => left_out.push((need, vec![method.name])),
             }
         }
-        for (need, names) in lacking {
+        for (need, names) in left_out {
             let (scene, need, names) = (super::printable(&scene.name), need.words(), names.join(", "));
             eprintln!("ssct: scene {scene} has no {need}; left out, as they would show nothing: {names}");
         }
     }
-    let shows = |item: &T| scenes.iter().any(|scene| method(item).lacks(scene).is_empty());
+    let shows = |item: &T| scenes.iter().any(|scene| method(item).unmet_needs(scene).is_empty());
     let kept: Vec<T> = all.into_iter().filter(shows).collect();
     if kept.is_empty() {
         let scenes: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
@@ -309,7 +320,7 @@ pub fn variants(
     swept: bool,
 ) -> Result<Vec<Variant>> {
     if !options.variant.is_empty() {
-        return showing(typed_variants(&options.variant, base)?, |variant: &Variant| variant.method, scenes);
+        return leave_out_lacking(typed_variants(&options.variant, base)?, |variant: &Variant| variant.method, scenes);
     }
     let methods = methods(&options.method, base, scenes, lenses)?;
     let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };

@@ -24,47 +24,38 @@ pub struct Run {
 impl Run {
     /// Claims the folder, if there is one. From now on, SIGINT and SIGTERM stop the run only between two samples; the second signal stops
     /// it at once.
-    ///
-    /// # Errors
-    /// Errors of [`FolderClaim::new`] and [`FolderClaim::journal`].
     pub fn begin(folder: Option<&Path>, resume: bool) -> Result<Self> {
-        let Some(folder) = folder else { return Self::listening(Journal::default(), None) };
+        let Some(folder) = folder else { return Self::with_signals(Journal::default(), None) };
         let claim = FolderClaim::new(folder)?;
         let journal = claim.journal(resume)?;
-        Self::listening(journal, Some((claim, folder.to_owned())))
+        Self::with_signals(journal, Some((claim, folder.to_owned())))
     }
 
     /// Claims the folder as [`Run::begin`] does, but begins a new journal: the caller knows all results in the folder and writes them
     /// again.
-    ///
-    /// # Errors
-    /// Errors of [`FolderClaim::new`] and [`FolderClaim::new_journal`].
     pub fn begin_anew(folder: &Path) -> Result<Self> {
         let claim = FolderClaim::new(folder)?;
         let journal = claim.new_journal()?;
-        Self::listening(journal, Some((claim, folder.to_owned())))
+        Self::with_signals(journal, Some((claim, folder.to_owned())))
     }
 
     /// Makes a run that listens for signals: the first asks the run to stop, and the second ends the process at once.
-    fn listening(journal: Journal, claim: Option<(FolderClaim, PathBuf)>) -> Result<Self> {
+    fn with_signals(journal: Journal, claim: Option<(FolderClaim, PathBuf)>) -> Result<Self> {
         // True once a signal came. The first action ends the process if it finds the flag true; the second sets the
         // flag.
         let was_asked = Arc::<AtomicBool>::default();
         for signal in [SIGINT, SIGTERM] {
-            let listening = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&was_asked))
+            let registered = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&was_asked))
                 .and_then(|_| flag::register(signal, Arc::clone(&was_asked)))
                 .and_then(|_| flag::register_usize(signal, Arc::clone(&STOP_SIGNAL), signal as usize));
-            listening.map_err(|e| Error::io("listen for signals of", "this process", e))?;
+            registered.map_err(|e| Error::io("listen for signals of", "this process", e))?;
         }
         Ok(Self { journal, claim })
     }
 
     /// Writes the list of the run's cells into its folder, if there is one.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if the list cannot be written.
-    pub fn list(&self, cells: &CellList) -> Result<()> {
-        self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.list(cells))
+    pub fn write_list(&self, cells: &CellList) -> Result<()> {
+        self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.write_list(cells))
     }
 
     /// Notes in the folder that all is measured and written.
@@ -73,7 +64,10 @@ impl Run {
     }
 
     /// Returns the outcome of a measurement; if a signal stopped it, the error also says where the results so far are kept.
-    pub fn ended<T, E: Into<anyhow::Error>>(&self, outcome: std::result::Result<T, E>) -> anyhow::Result<T> {
+    pub fn outcome_with_journal<T, E: Into<anyhow::Error>>(
+        &self,
+        outcome: std::result::Result<T, E>,
+    ) -> anyhow::Result<T> {
         outcome.map_err(|e| {
             let e = e.into();
             match (e.downcast_ref(), &self.claim) {
@@ -87,35 +81,32 @@ impl Run {
 }
 
 /// Flags without a value that change this run and not the whole study.
-const OF_THIS_RUN: [&str; 2] = ["--resume", "--json"];
+const RUN_FLAGS: [&str; 2] = ["--resume", "--json"];
 /// Flags with one value that change this run and not the whole study.
-const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
+const RUN_FLAGS_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
 /// Flags with several values that change this run and not the whole study.
-const OF_THIS_RUN_WITH_VALUES: [&str; 1] = ["--references"];
+const RUN_FLAGS_WITH_VALUES: [&str; 1] = ["--references"];
 
 /// Returns the command of this process as a page shows it, without the flags that differ from machine to machine and
 /// from shard to shard.
 pub fn command_line() -> String {
-    of_the_study(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
+    study_command(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
 /// Returns the command of the whole study, made of a run's arguments after the program's name. Arguments with blanks
 /// are put in quotes.
-fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
+fn study_command(arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["ssct".to_owned()];
-    // Whether the next argument is the value of a left out flag, and whether all arguments up to the next flag are
-    // values.
+    // `skips_value`: the next argument is the value of a flag that is left out. `skips_values`: all arguments up to the
+    // next flag are such values.
     let (mut skips_value, mut skips_values) = (false, false);
     for argument in arguments {
         let flag = argument.split('=').next().unwrap_or_default();
-        skips_values = OF_THIS_RUN_WITH_VALUES.contains(&flag) || (skips_values && !argument.starts_with('-'));
-        if skips_values {
+        skips_values = RUN_FLAGS_WITH_VALUES.contains(&flag) || (skips_values && !argument.starts_with('-'));
+        if skips_values || std::mem::take(&mut skips_value) || RUN_FLAGS.contains(&flag) {
             continue;
         }
-        if std::mem::take(&mut skips_value) || OF_THIS_RUN.contains(&flag) {
-            continue;
-        }
-        if OF_THIS_RUN_WITH_VALUE.contains(&flag) {
+        if RUN_FLAGS_WITH_VALUE.contains(&flag) {
             skips_value = !argument.contains('=');
             continue;
         }
@@ -129,9 +120,6 @@ fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
 }
 
 /// Fails if a signal asked the run to stop. Measurements call it between two samples.
-///
-/// # Errors
-/// [`Error::Stopped`] once a signal asked to stop.
 pub fn go_on() -> Result<()> {
     match STOP_SIGNAL.load(Ordering::Relaxed) {
         0 => Ok(()),
@@ -145,14 +133,14 @@ mod tests {
 
     #[test]
     fn shards_of_a_study_have_one_command() {
-        let study_command = |text: &str| of_the_study(text.split_whitespace().map(str::to_owned));
+        let command = |text: &str| study_command(text.split_whitespace().map(str::to_owned));
         let study = "ssct error --quick --rays 4";
         for more in
             ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", "--references a b c", ""]
         {
-            assert_eq!(study_command(&format!("error --quick {more} --rays 4")), study);
+            assert_eq!(command(&format!("error --quick {more} --rays 4")), study);
         }
-        let quoted = of_the_study(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());
+        let quoted = study_command(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());
         assert_eq!(quoted, "ssct error --variant \"stochastic --history on\"");
     }
 }

@@ -1,11 +1,10 @@
 //! `ssct shaders`: what the compiler of a device made of each program.
 
-use super::cli::{CommonOptions, DeviceOptions, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_size};
 use super::measure::StudyOptions;
-use super::parameters::{TypedVariant, typed_variant};
+use super::parameters::{TypedVariant, parse_variant};
 use super::resolve;
 use crate::error::{Error, Result};
-use crate::stage::Globals;
 use crate::study::engine::LastMade;
 use crate::study::error::Variant;
 use crate::study::shaders::ShadersStudy;
@@ -29,10 +28,10 @@ pub struct ShadersOptions {
     ///
     /// An example is "unified --history on". Options within the quotes override the same options outside them. Give it once for each
     /// variant whose programs are compiled, instead of --method.
-    #[arg(long, value_name = "METHOD OPTIONS", value_parser = typed_variant, conflicts_with = "method")]
+    #[arg(long, value_name = "METHOD OPTIONS", value_parser = parse_variant, conflicts_with = "method")]
     pub variant: Vec<TypedVariant>,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x180")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "320x180")]
     pub size: [u32; 2],
 }
 
@@ -104,12 +103,7 @@ impl StudyOptions for ShadersOptions {
         } else {
             resolve::typed_variants(&self.variant, &base)?
         };
-        let globals = match resolve::globals(place)?[..] {
-            [own @ Globals { roughness: None, .. }] => {
-                ROUGHNESS.map(|r| Globals { roughness: Some(r), ..own }).to_vec()
-            }
-            ref given => given.to_vec(),
-        };
+        let globals = resolve::globals_or(place, &ROUGHNESS)?;
         Ok(ShadersStudy { scene, view, variants, extent: self.size, globals, stage: LastMade::default() })
     }
 }

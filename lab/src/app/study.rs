@@ -9,7 +9,7 @@ use super::study_pictures::{self, ERROR_FOLDER, GLOSSY, ShownView, TRUTH_FOLDER}
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::report::html::{Errors, Gallery, Page, Picture, PictureFolder, Times};
-use crate::report::results::{self, Results};
+use crate::report::results::{Results, write_extra_file};
 use crate::report::{files, plot, tables};
 use crate::stage::{Globals, Stage};
 use crate::study::agreement::{AgreementRecord, AgreementSpec};
@@ -69,7 +69,7 @@ impl Plan {
                 methods.push(method);
             }
         }
-        let more: String = options.method.iter().map(|name| format!(" --method {name}")).collect();
+        let method_flags: String = options.method.iter().map(|name| format!(" --method {name}")).collect();
         if options.quick {
             let table_sizes = vec![[640, 480]];
             return Ok(Self {
@@ -82,7 +82,7 @@ impl Plan {
                 error_size: QUICK_SIZE.map(|side| side / 2),
                 rays: 16,
                 methods,
-                command: format!("ssct study --quick{more}"),
+                command: format!("ssct study --quick{method_flags}"),
             });
         }
         let samples = options.samples;
@@ -90,29 +90,29 @@ impl Plan {
             return Err(Error::usage("--samples 0: at least one is needed".into()));
         }
         let table_sizes = table::sizes();
-        let (timed_scenes, views, full) =
+        let (timed_scenes, views, full_flag) =
             if options.full { (usize::MAX, usize::MAX, " --full") } else { (THESIS_SCENES, 1, "") };
-        let command = format!("ssct study{full} --samples {samples}{more}");
+        let command = format!("ssct study{full_flag} --samples {samples}{method_flags}");
         let (scenes, size, error_size, rays) = (usize::MAX, SIZE, QUICK_SIZE, 64);
         Ok(Self { scenes, timed_scenes, views, size, samples, table_sizes, error_size, rays, methods, command })
     }
 
-    /// The parts of the study, in the order in which a reader wants them: the pictures of one view, the thesis's table,
-    /// the errors and the thesis's figures. The pictures of the other views, the times and the images of other devices
-    /// follow.
+    /// The parts of the study, in the order in which a reader wants them. The pictures of one view, the thesis's table, the
+    /// errors and the thesis's figures come before the other pictures, the times and the images of other devices.
     fn parts<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene], untimed: &[Scene]) -> Result<Vec<Part<'a>>> {
         let pictures_of = |scene: &Scene, view: &View| Part::Pictures {
             scene: scene.name.clone(),
             view: view.clone(),
             methods: self.methods_in(scene),
         };
-        let mut pictures = scenes.iter().chain(untimed).flat_map(|s| self.shown(s).map(move |v| pictures_of(s, v)));
+        let mut pictures =
+            scenes.iter().chain(untimed).flat_map(|s| self.shown_views(s).map(move |v| pictures_of(s, v)));
         let mut parts: Vec<Part> = pictures.next().into_iter().collect();
         parts.extend(self.table_5_8(gpu, scenes)?.map(Part::Table));
         parts.extend(self.errors(gpu, scenes)?);
         parts.extend(scenes.first().map(Part::Figures));
         parts.extend(pictures);
-        let timed = scenes.iter().flat_map(|s| self.shown(s).map(move |v| (s, v)));
+        let timed = scenes.iter().flat_map(|s| self.shown_views(s).map(move |v| (s, v)));
         parts.extend(timed.map(|(scene, view)| {
             Part::Times(self.time(gpu, scene, view, &self.methods_in(scene), vec![self.size], vec![GLOSSY]))
         }));
@@ -122,11 +122,11 @@ impl Plan {
 
     /// The methods that find what they need in a scene.
     fn methods_in(&self, scene: &Scene) -> Vec<&'static MethodInfo> {
-        self.methods.iter().copied().filter(|method| method.lacks(scene).is_empty()).collect()
+        self.methods.iter().copied().filter(|method| method.unmet_needs(scene).is_empty()).collect()
     }
 
     /// The views of a scene that are shown.
-    fn shown<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = &'a View> + use<'a> {
+    fn shown_views<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = &'a View> + use<'a> {
         scene.views.iter().take(self.views)
     }
 
@@ -202,7 +202,7 @@ impl Part<'_> {
             // Each method, unified on the screen alone, and the truth.
             Self::Pictures { methods, .. } => methods.len() + 2,
             Self::Table(spec) | Self::Times(spec) => spec.frames(),
-            Self::Errors(errors) => errors.1.owned(),
+            Self::Errors(errors) => errors.1.count_own(),
             Self::Figures(_) | Self::OtherDevices(_) => 1,
         }
     }
@@ -216,7 +216,7 @@ struct StudyResults {
     /// The figures of the thesis.
     figures: Vec<Picture>,
     /// The agreement of images with those of other devices.
-    same: Vec<AgreementRecord>,
+    agreement: Vec<AgreementRecord>,
     /// How many parts are done.
     parts: usize,
 }
@@ -241,7 +241,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let mut run = Run::begin(Some(folder), options.resume)?;
     let mut scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
     // Called only for its messages, which say which methods are left out in which scene.
-    resolve::showing(plan.methods.clone(), |method| method, &scenes.iter().collect::<Vec<_>>())?;
+    resolve::leave_out_lacking(plan.methods.clone(), |method| method, &scenes.iter().collect::<Vec<_>>())?;
     // Scenes that are shown and not timed are made again one by one, so that never two of them are in memory.
     let untimed = scenes.split_off(plan.timed_scenes.min(scenes.len()));
     let parts = plan.parts(&gpu, &scenes, &untimed)?;
@@ -255,13 +255,13 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         validation: options.device.validation,
         bar: progress::bar("study", parts.iter().map(Part::steps).sum()),
     };
-    let mut made = StudyResults::default();
-    let outcome = study.measure(&mut run.journal, &mut made);
+    let mut results = StudyResults::default();
+    let outcome = study.measure(&mut run.journal, &mut results);
     study.bar.finish_and_clear();
     // Results are written even if an error ended the measurement. That error is reported before an error of writing.
-    let wrote = study.write(&run.journal, &made);
-    run.ended(outcome)?;
-    let written = wrote?;
+    let written = study.write(&run.journal, &results);
+    run.outcome_with_journal(outcome)?;
+    let written = written?;
     let mut out = printed::out();
     writeln!(out, "Table 5.8 of the thesis (GeForce GTX 670) and here ({}):", gpu.info().name)?;
     write!(out, "{}", tables::aligned(&table::cells(&written.table)))?;
@@ -284,13 +284,13 @@ impl<'a> Study<'a> {
     }
 
     /// Makes every part, and writes the page after each part except the last, after which the caller writes it.
-    fn measure(&self, journal: &mut Journal, made: &mut StudyResults) -> anyhow::Result<()> {
+    fn measure(&self, journal: &mut Journal, results: &mut StudyResults) -> anyhow::Result<()> {
         let mut last = LastMade::default();
         for (n, part) in self.parts.iter().enumerate() {
-            self.make(part, journal, made, &mut last)?;
-            made.parts = n + 1;
-            if made.parts < self.parts.len() {
-                self.write(journal, made)?;
+            self.make_part(part, journal, results, &mut last)?;
+            results.parts = n + 1;
+            if results.parts < self.parts.len() {
+                self.write(journal, results)?;
             }
             if n == 0 {
                 self.bar.println(format!("{}: the first pictures; more follow", self.index().display()));
@@ -301,11 +301,11 @@ impl<'a> Study<'a> {
 
     /// Makes a part. `last` keeps the last scene and its stage, since the views of a scene follow one another. Parts
     /// that make scenes or stages of their own forget it first, to free its memory.
-    fn make(
+    fn make_part(
         &self,
         part: &Part<'a>,
         journal: &mut Journal,
-        made: &mut StudyResults,
+        results: &mut StudyResults,
         last: &mut LastMade<String, (Cow<'a, Scene>, Stage)>,
     ) -> anyhow::Result<()> {
         let (folder, step) = (self.pictures.place(), &mut || progress::step(&self.bar));
@@ -314,28 +314,28 @@ impl<'a> Study<'a> {
         }
         match part {
             Part::Pictures { scene, view, methods } => {
-                let (scene, stage) = last.get_or_make(scene.clone(), || self.staged(scene))?;
+                let (scene, stage) = last.get_or_make(scene.clone(), || self.scene_on_stage(scene))?;
                 let shown = ShownView { scene, view, size: self.plan.size, methods };
-                made.views.push(study_pictures::of_view(stage, &shown, folder, step)?);
+                results.views.push(study_pictures::view_gallery(stage, &shown, folder, step)?);
             }
             Part::Table(spec) | Part::Times(spec) => timing::measure(spec, journal, step)?,
             Part::Errors(errors) => {
                 let (study, list) = &**errors;
                 // The study is dropped with what it keeps for its next cell.
                 let Some(mut study) = study.take() else { return Ok(()) };
-                let to = folder.join(ERROR_FOLDER);
-                let keep = &mut |file: &ExtraFile| Ok(results::keep(&to, file)?);
+                let error_folder = folder.join(ERROR_FOLDER);
+                let keep = &mut |file: &ExtraFile| Ok(write_extra_file(&error_folder, file)?);
                 let advance = &mut |steps: usize| self.bar.inc(steps as u64);
                 let mut bench = Bench { gpu: self.gpu, journal, go_on, advance, keep };
                 engine::measure(&mut study, list, &mut bench)?;
             }
             Part::Figures(scene) => {
-                let (_, stage) = last.get_or_make(scene.name.clone(), || self.staged(&scene.name))?;
-                made.figures = study_pictures::of_thesis(stage, scene, folder, self.plan.size)?;
+                let (_, stage) = last.get_or_make(scene.name.clone(), || self.scene_on_stage(&scene.name))?;
+                results.figures = study_pictures::thesis_figures(stage, scene, folder, self.plan.size)?;
                 step()?;
             }
             Part::OtherDevices(scene) => {
-                made.same = same_elsewhere(self.gpu, scene, self.plan, self.validation)?;
+                results.agreement = compare_other_devices(self.gpu, scene, self.plan, self.validation)?;
                 step()?;
             }
         }
@@ -343,7 +343,7 @@ impl<'a> Study<'a> {
     }
 
     /// Returns the scene with a name, and a new stage with it. A timed scene is in memory, and any other scene is made.
-    fn staged(&self, name: &str) -> Result<(Cow<'a, Scene>, Stage)> {
+    fn scene_on_stage(&self, name: &str) -> Result<(Cow<'a, Scene>, Stage)> {
         let scene = match self.scenes.iter().find(|scene| scene.name == name) {
             Some(timed) => Cow::Borrowed(timed),
             None => Cow::Owned(library::scene_or_file(name)?),
@@ -353,7 +353,7 @@ impl<'a> Study<'a> {
     }
 
     /// Writes the records and the page with all results so far.
-    fn write(&self, journal: &Journal, made: &StudyResults) -> anyhow::Result<WrittenPage> {
+    fn write(&self, journal: &Journal, results: &StudyResults) -> anyhow::Result<WrittenPage> {
         let folder = self.pictures.place();
         let (mut table_times, mut view_times) = (Vec::new(), Vec::new());
         let mut errors: Vec<ErrorRecord> = Vec::new();
@@ -369,14 +369,14 @@ impl<'a> Study<'a> {
                 Part::Pictures { .. } | Part::Figures(_) | Part::OtherDevices(_) => {}
             }
         }
-        let all: Vec<TimeRecord> = view_times.iter().chain(&table_times).cloned().collect();
-        folder.join("time.json").write(files::json(&all).as_bytes())?;
-        folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes())?;
+        let all_times: Vec<TimeRecord> = view_times.iter().chain(&table_times).cloned().collect();
+        folder.join("time.json").write(files::json(&all_times).as_bytes())?;
+        folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all_times)).as_bytes())?;
         let table = compare(&table_times);
         let page = Page {
             device: self.gpu.info(),
             command: self.plan.command.clone(),
-            to_come: self.parts[made.parts..].iter().map(Part::title).collect(),
+            to_come: self.parts[results.parts..].iter().map(Part::title).collect(),
             times: Times {
                 settings: time_settings(self.plan),
                 table: &table,
@@ -388,12 +388,12 @@ impl<'a> Study<'a> {
                 settings: error_settings(self.plan),
                 records: &errors,
                 plots: plot::draw_charts(&errors).map_err(anyhow::Error::msg)?,
-                pictures: study_pictures::of_errors(&errors, &self.plan.methods),
+                pictures: study_pictures::error_galleries(&errors, &self.plan.methods),
             },
-            views: &made.views,
-            figures: &made.figures,
-            same: &made.same,
-            records: records(folder),
+            views: &results.views,
+            figures: &results.figures,
+            agreement: &results.agreement,
+            records: listed_files(folder),
         };
         let html = page.render(&self.pictures)?;
         folder.join("index.html").write(html.as_bytes())?;
@@ -402,7 +402,7 @@ impl<'a> Study<'a> {
 }
 
 /// Compares the images that all other devices make of a G-buffer of the rooms with the images of this device.
-fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Result<Vec<AgreementRecord>> {
+fn compare_other_devices(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Result<Vec<AgreementRecord>> {
     let mut records = Vec::new();
     let others = other_devices::others(gpu, validation)?;
     for roughness in QUICK_ROUGHNESS.into_iter().filter(|_| !others.is_empty()) {
@@ -416,20 +416,20 @@ fn same_elsewhere(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Re
 }
 
 /// Returns the files and folders beside the page, each with its description. Those that do not exist are left out.
-fn records(folder: &PathInFolder) -> Vec<(String, String)> {
-    let record = |file: &str, what: &str| (file.to_owned(), what.to_owned());
-    let mut all = vec![
-        record("time.json", "every time, one record a method, view, size and roughness"),
-        record("time-samples.csv", "every sample of every pass"),
-        record("journal.jsonl", "every sample and cell as it was measured, for --resume"),
-        record("images/", "the pictures, lossless"),
+fn listed_files(folder: &PathInFolder) -> Vec<(String, String)> {
+    let entry = |file: &str, what: &str| (file.to_owned(), what.to_owned());
+    let mut entries = vec![
+        entry("time.json", "every time, one record a method, view, size and roughness"),
+        entry("time-samples.csv", "every sample of every pass"),
+        entry("journal.jsonl", "every sample and cell as it was measured, for --resume"),
+        entry("images/", "the pictures, lossless"),
         (format!("{TRUTH_FOLDER}/"), "the truth's samples, with which the next run goes on".into()),
         (format!("{ERROR_FOLDER}/error.json"), "every error, one record a method, cell and reference".into()),
         (format!("{ERROR_FOLDER}/error.txt"), "the same as tables".into()),
         (format!("{ERROR_FOLDER}/images/"), "reflections and FLIP maps as PNG, error maps as EXR".into()),
     ];
-    all.retain(|(file, _)| folder.path().join(file).exists());
-    all
+    entries.retain(|(file, _)| folder.path().join(file).exists());
+    entries
 }
 
 /// The text on the page that says which times were measured, and how.

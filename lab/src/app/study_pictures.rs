@@ -7,7 +7,7 @@ use crate::report::html::{Gallery, Picture, Strip};
 use crate::report::images;
 use crate::stage::{Globals, SharedImages, Shot, Stage, gbuffer, image};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE, flip_file, picture_file};
-use crate::study::names::{cell_name, roughness, safe_word};
+use crate::study::names::{cell_name, roughness_name, safe_word};
 use crate::study::table;
 use ssct::gpu::Pixels;
 use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants, unified};
@@ -44,7 +44,7 @@ pub struct ShownView<'a> {
 /// Makes the pictures of a view, writes them below `folder`, and returns them as a gallery: direct light alone, the
 /// truth, every method, and `unified` on the screen alone. `step` is called after the truth and after each picture of a
 /// method.
-pub fn of_view(
+pub fn view_gallery(
     stage: &mut Stage,
     subject: &ShownView,
     folder: &PathInFolder,
@@ -60,7 +60,7 @@ pub fn of_view(
     let materials = GLOSSY.materials(scene, view);
     let mut shared = SharedImages::default();
     let mut pictures = Vec::new();
-    let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
+    let mut add_picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
         let [scene, view] = [&scene.name, &view.name].map(|name| safe_word(name));
         let file = format!("images/{scene}-{view}-{}.png", name.replace(' ', "-"));
         images::write_image(folder.join(&file), pixels)?;
@@ -74,13 +74,13 @@ pub fn of_view(
         // The lit colour and the truth are the same for all methods, so they are made of the first shot.
         if n == 0 {
             let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
-            picture(&lit, LIT, "direct light only".into())?;
+            add_picture(&lit, LIT, "direct light only".into())?;
             let (data, cache) = (gbuffer::read(&mut stage.context, &shot)?, folder.path().join(TRUTH_FOLDER));
             let truth = reference::truth(scene, &materials, &data, TRUTH_RAYS, &cache)?;
-            picture(&truth, TRUTH, format!("the truth, roughness 0.1: traced with {TRUTH_RAYS} rays a pixel"))?;
+            add_picture(&truth, TRUTH, format!("the truth, roughness 0.1: traced with {TRUTH_RAYS} rays a pixel"))?;
             step()?;
         }
-        picture(&rendered, name, caption.clone())?;
+        add_picture(&rendered, name, caption.clone())?;
         step()?;
     }
     Ok(Gallery {
@@ -91,7 +91,7 @@ pub fn of_view(
 }
 
 /// Draws figures 4.4, 4.5, 4.9 and 4.10 of a scene that has a view `corridor`, and writes them below `folder`.
-pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: [u32; 2]) -> Result<Vec<Picture>> {
+pub fn thesis_figures(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: [u32; 2]) -> Result<Vec<Picture>> {
     let wanted = [
         (
             Figure::VisibilityChain,
@@ -129,9 +129,9 @@ pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: 
         let setup = figure.setup(&Setup::new(extent));
         let method = methods::find(figure.method())?;
         let shot = Shot::new(stage, method, &setup, Wants::HITS, camera, GLOSSY.materials(scene, view))?;
-        if let Some(all) = image::render(stage, &shot, true)?.intermediates {
+        if let Some(images) = image::render(stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
-            figures::draw(figure, &all, &camera.lens)?.write_png(folder.join(&file))?;
+            figures::draw(figure, &images, &camera.lens)?.write_png(folder.join(&file))?;
             pictures.push(Picture { file, name: stem.to_owned(), caption: caption.to_owned() });
         }
     }
@@ -140,11 +140,11 @@ pub fn of_thesis(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: 
 
 /// Makes a gallery for each view and roughness: every method with its FLIP map, next to the reference that its error is
 /// measured against. The pictures are the files that the error study wrote.
-pub fn of_errors(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
+pub fn error_galleries(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {
         let head = &r.head;
-        let title = format!("{}, {}, roughness {}", head.scene, head.view, roughness(head.roughness));
+        let title = format!("{}, {}, roughness {}", head.scene, head.view, roughness_name(head.roughness));
         if galleries.iter().any(|g| g.title == title) {
             continue;
         }

@@ -1,8 +1,8 @@
 //! `ssct time`.
 
-use super::cli::{CommonOptions, DeviceOptions, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_size};
 use super::measure::StudyOptions;
-use super::parameters::{TypedVariant, typed_variant};
+use super::parameters::{TypedVariant, parse_variant};
 use super::resolve;
 use crate::error::{Error, Result};
 use crate::report::{files, trace};
@@ -40,12 +40,12 @@ pub struct TimeOptions {
     #[arg(
         long,
         value_name = "METHOD OPTIONS",
-        value_parser = typed_variant,
+        value_parser = parse_variant,
         conflicts_with_all = ["method", "table"]
     )]
     pub variant: Vec<TypedVariant>,
     /// Widths and heights in pixels; by default 960x540
-    #[arg(long, alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    #[arg(long, alias = "sizes", value_name = "WxH", value_parser = parse_size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
     /// Measure a table of the thesis, or its captions' times
     #[arg(long, value_name = "TABLE", value_enum, long_help = help_of_tables())]
@@ -132,9 +132,11 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
             let lenses = resolve::lenses(&scene, [&view]);
             Variant::for_methods(&resolve::methods(&options.method, &base, &[&scene], &lenses)?, &base)
         }
-        typed => {
-            resolve::showing(resolve::typed_variants(typed, &base)?, |variant: &Variant| variant.method, &[&scene])?
-        }
+        typed => resolve::leave_out_lacking(
+            resolve::typed_variants(typed, &base)?,
+            |variant: &Variant| variant.method,
+            &[&scene],
+        )?,
     };
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }

@@ -1,6 +1,6 @@
 //! `ssct truth`: the world reference, for others to check.
 
-use super::cli::{SceneOptions, size};
+use super::cli::{SceneOptions, parse_size};
 use super::printed;
 use super::resolve;
 use crate::error::Error;
@@ -30,7 +30,7 @@ struct ExportOptions {
     #[command(flatten)]
     place: SceneOptions,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "160x90")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "160x90")]
     size: [u32; 2],
     /// Rays of a glossy pixel
     #[arg(long, value_name = "N", default_value_t = 256)]

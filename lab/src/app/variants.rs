@@ -1,6 +1,6 @@
 //! The flags that say which variants of methods are compared, which `ssct error` and `ssct video` share.
 
-use super::parameters::{TypedVariant, typed_variant};
+use super::parameters::{TypedVariant, parse_variant};
 use clap::Args;
 
 /// Which variants of which methods are compared.
@@ -16,7 +16,7 @@ pub struct VariantOptions {
     #[arg(
         long,
         value_name = "METHOD OPTIONS",
-        value_parser = typed_variant,
+        value_parser = parse_variant,
         conflicts_with_all = ["method", "captures_sweep", "fallback_sweep"]
     )]
     pub variant: Vec<TypedVariant>,

@@ -1,6 +1,6 @@
 //! `ssct video`: films of methods beside the film of the world reference.
 
-use super::cli::{CommonOptions, DeviceOptions, point, size};
+use super::cli::{CommonOptions, DeviceOptions, parse_point, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use super::variants::VariantOptions;
@@ -19,7 +19,7 @@ pub struct VideoOptions {
     #[command(flatten)]
     pub variants: VariantOptions,
     /// Widths and heights in pixels; by default 320x180
-    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
     /// Way of the camera, such as turn
     ///
@@ -48,7 +48,7 @@ pub struct VideoOptions {
     /// How far they move from frame to frame, in metres
     ///
     /// The three numbers are along the axes of the world.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "moving")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "moving")]
     pub step: Option<Vec3>,
     /// Frames after which they rest; by default they never do
     #[arg(long, value_name = "N", requires = "moving")]
@@ -80,7 +80,7 @@ impl StudyOptions for VideoOptions {
         let place = &self.common.place;
         let mut scene = resolve::scene(place, "rooms")?;
         scene.lens = resolve::lens(place, scene.lens)?;
-        let way = named(self, &scene)?;
+        let way = camera_way(self, &scene)?;
         let globals = resolve::globals(place)?;
         let sizes = resolve::distinct_values_or(&self.size, [320, 180]);
         let base = self.common.method_options.setup(sizes[0]);
@@ -91,8 +91,8 @@ impl StudyOptions for VideoOptions {
             }
         };
         let variants = resolve::variants(&self.variants, &base, (&[&scene], &lenses), false)?;
-        resolve::meshes(&scene, "--moving", &self.moving)?;
-        resolve::meshes(&scene, "--held", &self.held)?;
+        resolve::check_meshes(&scene, "--moving", &self.moving)?;
+        resolve::check_meshes(&scene, "--held", &self.held)?;
         let play =
             self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
         let played_meshes: Vec<&str> =
@@ -122,7 +122,7 @@ impl StudyOptions for VideoOptions {
 
 /// Returns the camera's way that `--way` names: one of the ways from the view that the flags choose, or else a path,
 /// which takes no view.
-fn named(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
+fn camera_way(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
     let place = &options.common.place;
     let name = options.way.as_path();
     let way_from_view: fn(_) -> CameraWay = match name.to_string_lossy().as_ref() {

@@ -3,7 +3,7 @@
 use super::loose_uniforms::LOOSE;
 use super::manifest::{InputKind, LevelOf, Manifest, Pass};
 use super::published;
-use super::reflect::{self, BlockLayout, Variable, VariableKind};
+use super::reflect::{self, BlockLayout, ShaderInterface, Variable, VariableKind};
 use super::shader::{self, CompiledPass};
 use super::source::ImageSource;
 use super::values::{Feed, FilledField, FrameState};
@@ -15,9 +15,6 @@ use std::cell::RefCell;
 use std::ops::Range;
 
 /// Compiles every shader and checks it against the manifest, without a device.
-///
-/// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) with file and line.
 pub fn check(manifest: &Manifest) -> Result<()> {
     let mut unfed = Vec::new();
     for pass in &manifest.passes {
@@ -48,17 +45,14 @@ fn file_name(pass: &Pass) -> String {
 }
 
 /// Checks that a method for orthographic cameras is fed nothing that only a perspective has.
-///
-/// # Errors
-/// [`Usage`](ssct_ground::Error::Usage) for a value or an image that only a perspective has.
 pub fn check_projection(manifest: &Manifest, projection: ProjectionKind) -> Result<()> {
-    let is_angle = |given: &Feed| given.is_named("fov-y") || given.is_named("half-view");
-    let is_of_perspective = |pass: &Pass| {
-        let mut values = pass.values.values().map(|(given, _)| given);
+    let is_angle = |feed: &Feed| feed.is_named("fov-y") || feed.is_named("half-view");
+    let needs_perspective = |pass: &Pass| {
+        let mut values = pass.values.values().map(|(feed, _)| feed);
         let mut images = pass.inputs.values().map(|input| &input.what);
         values.any(is_angle) || images.any(|what| *what == InputKind::Image(ImageSource::Visibility))
     };
-    match manifest.passes.iter().find(|pass| is_of_perspective(pass)) {
+    match manifest.passes.iter().find(|pass| needs_perspective(pass)) {
         Some(pass) if projection.is_orthographic() => Err(Error::Usage(format!(
             "the method {}: its pass {:?} is fed fov-y, half-view or visibility, which only a perspective has, and the \
              camera is orthographic; view-to-clip is a matrix of either",
@@ -80,21 +74,18 @@ pub struct PassBindings {
 
 /// The image, the buffer or the values for one binding.
 pub enum BoundInput {
-    /// A sampled image, its sampler and its level.
-    Sampled(ImageSource, Sampler, LevelOf),
-    /// A storage image: its name, its level, and whether the shader only reads it.
-    Stored(String, LevelOf, bool),
-    /// A buffer: its name, whether the shader only reads it, and the bytes that it must have.
-    Buffer(String, bool, u32),
-    /// A uniform block: its fields, and its size in bytes.
-    Uniform(Vec<FilledField>, usize),
+    /// A sampled image.
+    Sampled { source: ImageSource, sampler: Sampler, level: LevelOf },
+    /// A storage image of the method's own.
+    Stored { name: String, level: LevelOf, read_only: bool },
+    /// A buffer, which must have at least `bytes` bytes.
+    Buffer { name: String, read_only: bool, bytes: u32 },
+    /// A uniform block of `bytes` bytes.
+    Uniform { fields: Vec<FilledField>, bytes: usize },
 }
 
 impl PassBindings {
     /// Checks a pass's shader against the manifest.
-    ///
-    /// # Errors
-    /// [`Malformed`](ssct_ground::Error::Malformed) with the line of the manifest.
     pub fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
         let (bindings, missing) = Self::read(manifest, pass, compiled)?;
         check_fed(manifest, vec![(pass, missing)])?;
@@ -108,10 +99,10 @@ impl PassBindings {
             .map_err(|m| shader.wrong(&pass.span, &m))?;
         let mut inputs = Vec::new();
         for variable in &compiled.interface.variables {
-            inputs.extend(shader.bound(variable)?);
+            inputs.extend(shader.bind(variable)?);
         }
         let (push, push_size) = match &compiled.interface.push {
-            Some((block, layout)) => (shader.filled(block, layout)?, layout.size as usize),
+            Some((block, layout)) => (shader.fill(block, layout)?, layout.size as usize),
             None => (Vec::new(), 0),
         };
         Ok((Self { inputs, push, push_size }, shader.missing.into_inner()))
@@ -140,7 +131,7 @@ impl PassShader<'_> {
         let file = &self.file;
         let message = format!(
             "nothing feeds {name:?} of {file}: {}; say what it is under [inputs], as in {name:?} = \"depth:reversed\"",
-            reflect::nameless(name)
+            reflect::explain_nameless(name)
         );
         self.wrong(&self.pass.span, &message)
     }
@@ -152,13 +143,14 @@ impl PassShader<'_> {
 
     /// Returns the fields of a block with the values that fill them. Fields that the shader does not read need no
     /// value, and loose uniforms may have initial values of their own.
-    fn filled(&self, block: &str, layout: &BlockLayout) -> Result<Vec<FilledField>> {
+    fn fill(&self, block: &str, layout: &BlockLayout) -> Result<Vec<FilledField>> {
         let mut fields = Vec::new();
         for field in &layout.fields {
             let full_name = format!("{block}.{}", field.name);
             let given =
                 [full_name.as_str(), field.name.as_str()].into_iter().find_map(|name| self.pass.values.get(name));
-            let initial = self.compiled.own.iter().find(|(name, _)| *name == field.name && block.starts_with(LOOSE));
+            let initial =
+                self.compiled.initial_values.iter().find(|(name, _)| *name == field.name && block.starts_with(LOOSE));
             let (feed, span) = match (given, initial) {
                 (Some((feed, span)), _) => (feed.clone(), span),
                 (None, Some((_, Some(numbers)))) => (Feed::Numbers(numbers.clone()), &self.pass.span),
@@ -183,13 +175,13 @@ impl PassShader<'_> {
     }
 
     /// Returns the input that feeds a variable; `None` if nothing feeds it, which is noted.
-    fn bound(&self, v: &Variable) -> Result<Option<BoundInput>> {
+    fn bind(&self, v: &Variable) -> Result<Option<BoundInput>> {
         if v.count > 1 {
             let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
             return Err(self.wrong(&self.pass.span, &message));
         }
         if let VariableKind::Uniform(layout) = &v.kind {
-            return Ok(Some(BoundInput::Uniform(self.filled(&v.block, layout)?, layout.size as usize)));
+            return Ok(Some(BoundInput::Uniform { fields: self.fill(&v.block, layout)?, bytes: layout.size as usize }));
         }
         let input = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
         let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
@@ -203,19 +195,20 @@ impl PassShader<'_> {
         let mismatch = |what: String| self.wrong(input.span(), &format!("{} of {} is {what}", v.name, self.file));
         let images = &self.manifest.images;
         Ok(Some(match (&v.kind, &input.what) {
-            (VariableKind::Storage(bytes), InputKind::Buffer(buffer)) => {
-                BoundInput::Buffer(buffer.clone(), v.read_only, *bytes)
+            (VariableKind::Storage(bytes), InputKind::Buffer(name)) => {
+                BoundInput::Buffer { name: name.clone(), read_only: v.read_only, bytes: *bytes }
             }
             (VariableKind::Storage(_), _) => return Err(mismatch("a buffer, and is fed an image".to_owned())),
             (_, InputKind::Buffer(_)) => return Err(mismatch("an image, and is fed a buffer".to_owned())),
-            (VariableKind::Stored(kind), InputKind::Image(ImageSource::Own(image))) => {
-                kinds::check_stored(kind, image, images).map_err(mismatch)?;
+            (VariableKind::Stored(kind), InputKind::Image(ImageSource::Own(name))) => {
+                kinds::check_stored(kind, name, images).map_err(mismatch)?;
                 let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
-                BoundInput::Stored(image.clone(), level, v.read_only)
+                BoundInput::Stored { name: name.clone(), level, read_only: v.read_only }
             }
             (VariableKind::Sampled(kind), InputKind::Image(source)) => {
                 kinds::check_sampled(kind, source, images).map_err(mismatch)?;
-                BoundInput::Sampled(source.clone(), inputs::sampler(source, input.sampler), input.level)
+                let sampler = inputs::sampler(source, input.sampler);
+                BoundInput::Sampled { source: source.clone(), sampler, level: input.level }
             }
             (_, InputKind::Image(_)) => {
                 return Err(mismatch("stored to, and is fed an image that is not the method's own".to_owned()));
@@ -243,36 +236,34 @@ pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Ve
     compiled.interface.constants.iter().filter_map(id_and_bits).collect()
 }
 
+/// True if a shader has a variable, a block, a constant or a field of this name; a field may be named with its block.
+fn has_name(interface: &ShaderInterface, name: &str) -> bool {
+    let has_field = |block: &str, layout: &BlockLayout| {
+        layout.fields.iter().any(|field| field.name == name || format!("{block}.{}", field.name) == name)
+    };
+    let is_variable_named = |v: &Variable| {
+        v.name == name
+            || v.block == name
+            || matches!(&v.kind, VariableKind::Uniform(layout) if has_field(&v.block, layout))
+    };
+    interface.variables.iter().any(is_variable_named)
+        || interface.constants.iter().any(|c| c.name == name)
+        || interface.push.as_ref().is_some_and(|(block, layout)| has_field(block, layout))
+}
+
 /// Refuses names under `[inputs]` and `[values]` that no shader of the method reads.
 pub fn check_all_read(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
-    let reads = |pass: usize, name: &str| {
-        let interface = &compiled[pass].interface;
-        let is_variable = interface.variables.iter().any(|v| v.name == name || v.block == name);
-        let is_constant = interface.constants.iter().any(|c| c.name == name);
-        let has_field = |block: &str, layout: &BlockLayout| {
-            layout.fields.iter().any(|field| field.name == name || format!("{block}.{}", field.name) == name)
-        };
-        let in_block = interface.variables.iter().any(|v| match &v.kind {
-            VariableKind::Uniform(layout) => has_field(&v.block, layout),
-            _ => false,
-        });
-        let in_push = interface.push.as_ref().is_some_and(|(block, layout)| has_field(block, layout));
-        is_variable || is_constant || in_block || in_push
-    };
-    let all_passes = 0..manifest.passes.len();
     // The names of a pass's inputs and values, each with its place in the manifest.
     let names = |pass: &Pass| -> Vec<(String, Range<usize>)> {
         let inputs = pass.inputs.iter().map(|(name, input)| (name.clone(), input.span().clone()));
         inputs.chain(pass.values.iter().map(|(name, (_, span))| (name.clone(), span.clone()))).collect()
     };
     for pass in &manifest.passes {
-        for (name, span) in names(pass) {
-            // A name at the top of the manifest is given to every pass. It is enough that one of these passes reads it.
-            let passes = all_passes
-                .clone()
-                .filter(|index| names(&manifest.passes[*index]).iter().any(|(n, place)| *n == name && *place == span));
-            if !passes.clone().any(|index| reads(index, &name)) {
-                return Err(manifest.error(&span, format!("no shader reads {name}")));
+        for entry in names(pass) {
+            // A name at the top of the manifest is given to every pass, of which at least one must read it.
+            let mut passes = manifest.passes.iter().zip(compiled).filter(|(pass, _)| names(pass).contains(&entry));
+            if !passes.any(|(_, compiled)| has_name(&compiled.interface, &entry.0)) {
+                return Err(manifest.error(&entry.1, format!("no shader reads {}", entry.0)));
             }
         }
     }

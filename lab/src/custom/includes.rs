@@ -29,7 +29,7 @@ pub struct Includes<'a> {
     /// The folder of the method.
     folder: &'a Path,
     /// The folder for includes that are not beside the file that includes them.
-    elsewhere: &'a Path,
+    include_folder: &'a Path,
     /// The includes that are being read, the outermost first, each by the compiler's name for it and by its whole path.
     open: Vec<(PathBuf, PathBuf)>,
     /// The size of all includes so far.
@@ -43,11 +43,10 @@ pub struct Includes<'a> {
 }
 
 impl<'a> Includes<'a> {
-    /// Begins the includes of a shader of the method in `folder`. `elsewhere` is the folder for includes that are not
-    /// beside the file that includes them.
-    pub fn new(folder: &'a Path, elsewhere: &'a Path, shader: &Path) -> Self {
+    /// Begins the includes of a shader of the method in `folder`.
+    pub fn new(folder: &'a Path, include_folder: &'a Path, shader: &Path) -> Self {
         let (open, files) = (Vec::new(), vec![shader.to_owned()]);
-        Self { folder, elsewhere, open, bytes: 0, files, awaited: Vec::new(), refused: None }
+        Self { folder, include_folder, open, bytes: 0, files, awaited: Vec::new(), refused: None }
     }
 
     /// Returns the files on which the shader depends, and the paths at which new files would change it.
@@ -58,21 +57,21 @@ impl<'a> Includes<'a> {
     /// Returns the path of the include `name`: beside the file `includer`, in the folder for includes, or among the
     /// built-in shaders, in this order. If `includer` is built in, the method's folder is searched in place of the
     /// files beside it.
-    fn path(&mut self, name: &str, includer: &Path) -> PathBuf {
+    fn find(&mut self, name: &str, includer: &Path) -> PathBuf {
         let beside = match built_in::text(includer) {
             Some(_) => self.folder,
-            None => includer.parent().unwrap_or(self.elsewhere),
+            None => includer.parent().unwrap_or(self.include_folder),
         };
-        let [beside, elsewhere] = [beside, self.elsewhere].map(|folder| folder.join(name));
+        let [beside, in_include_folder] = [beside, self.include_folder].map(|folder| folder.join(name));
         if beside.exists() {
             return beside;
         }
         match built_in::path(name) {
-            Some(built_in) if !elsewhere.exists() => {
-                self.awaited.extend([beside, elsewhere]);
+            Some(built_in) if !in_include_folder.exists() => {
+                self.awaited.extend([beside, in_include_folder]);
                 built_in
             }
-            _ => elsewhere,
+            _ => in_include_folder,
         }
     }
 
@@ -82,28 +81,29 @@ impl<'a> Includes<'a> {
     /// The reason why the include cannot be read, as a part of the compiler's message.
     pub fn read(&mut self, name: &str, includer: &str) -> std::result::Result<(String, String), String> {
         let includer = Path::new(includer);
-        let path = self.path(name, includer);
+        let path = self.find(name, includer);
         // Includes that were opened after `includer` have been read to their end.
         while self.open.last().is_some_and(|(last, _)| last != includer) {
             self.open.pop();
         }
-        if let Err(why) = self.check(&path) {
-            self.refused.get_or_insert_with(|| why.clone());
-            return Err(why);
-        }
+        self.check(&path).map_err(|why| self.note_refusal(why))?;
         let text = match built_in::text(&path) {
             Some(text) => text.to_owned(),
             None => source_text::read(&path, "an included file", MAX_BYTES).map_err(|e| e.to_string())?,
         };
         self.bytes += text.len() as u64;
         if self.bytes > MAX_BYTES {
-            let why = format!("its includes have more than {MAX_BYTES} bytes together");
-            self.refused.get_or_insert_with(|| why.clone());
-            return Err(why);
+            return Err(self.note_refusal(format!("its includes have more than {MAX_BYTES} bytes together")));
         }
         self.open.push((path.clone(), canonical_path(&path)));
         self.files.push(path.clone());
         Ok((path.to_string_lossy().into_owned(), text))
+    }
+
+    /// Keeps the first reason why an include is refused; returns `why`.
+    fn note_refusal(&mut self, why: String) -> String {
+        self.refused.get_or_insert_with(|| why.clone());
+        why
     }
 
     /// Refuses a file outside of the allowed folders, a file that includes itself, and too many includes.
@@ -131,9 +131,6 @@ fn canonical_path(path: &Path) -> PathBuf {
 }
 
 /// Checks that a shader lies in the method's folder, below a folder that the user allows, or is built in.
-///
-/// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) for a shader anywhere else.
 pub fn check_shader(path: &Path, folder: &Path) -> Result<()> {
     check_place(path, folder).map_err(|why| Error::malformed(path, None, why))
 }

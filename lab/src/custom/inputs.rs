@@ -32,7 +32,7 @@ use ssct_scenes::{Camera, ProjectionKind};
 /// The passes that make the sources that a method reads.
 pub struct Inputs {
     /// The sources and how each is made; a source stands behind those from which it is made.
-    made: Vec<(ImageSource, SourceMaker)>,
+    makers: Vec<(ImageSource, SourceMaker)>,
     /// Names of the sources' images, in their order, for the list of intermediate images.
     names: Vec<&'static str>,
     /// The kind of the camera's projection.
@@ -42,7 +42,7 @@ pub struct Inputs {
 /// How a source is made, and the image that then holds it.
 enum SourceMaker {
     /// Nothing needs to be made: the source is in the G-buffer, or comes with the input.
-    There,
+    Existing,
     /// The lit colour with its chain.
     Chain(ColorChainPass),
     /// The thesis's depth, alone or with its Hi-Z chain.
@@ -54,7 +54,7 @@ enum SourceMaker {
         pipeline: GraphicsPipeline<Convert<'static>>,
         image: Image,
         /// The code of the conversion, `CONVERT_*`.
-        what: i32,
+        code: i32,
         axes: Axes,
     },
     /// A chain of minima or maxima of the depth `original`.
@@ -65,8 +65,7 @@ enum SourceMaker {
         original: ImageSource,
     },
     Noise(Image),
-    /// Two copies of a source, one of the frame before and one of this frame; which is which changes from frame to
-    /// frame.
+    /// Two copies of a source: one of the frame before, and one of this frame. They swap their parts in every frame.
     Kept {
         original: ImageSource,
         images: Vec<Image>,
@@ -82,59 +81,59 @@ impl Inputs {
         sources: &[ImageSource],
         conventions: Conventions,
     ) -> Result<Self> {
-        let mut inputs = Self { made: Vec::new(), names: Vec::new(), projection };
+        let mut inputs = Self { makers: Vec::new(), names: Vec::new(), projection };
         for source in sources {
             inputs.add(gpu, extent, source, conventions)?;
         }
-        inputs.names = inputs.made.iter().map(|(source, _)| stem(source)).collect();
+        inputs.names = inputs.makers.iter().map(|(source, _)| stem(source)).collect();
         Ok(inputs)
     }
 
     /// Adds a source, and before it the sources from which it is made, unless it was added already.
     fn add(&mut self, gpu: &Gpu, extent: [u32; 2], source: &ImageSource, conventions: Conventions) -> Result<()> {
-        if self.made.iter().any(|(known, _)| known == source) {
+        if self.makers.iter().any(|(known, _)| known == source) {
             return Ok(());
         }
-        let converted = |what: i32, axes: Axes, format: vk::Format| -> Result<SourceMaker> {
+        let convert = |code: i32, axes: Axes, format: vk::Format| -> Result<SourceMaker> {
             Ok(SourceMaker::Converted {
                 pipeline: GraphicsPipeline::fullscreen(gpu, [format])?,
                 image: Image::target(gpu, &source.to_string(), format, extent)?,
-                what,
+                code,
                 axes,
             })
         };
         let float = vk::Format::R32_SFLOAT;
-        let made = match source {
+        let maker = match source {
             ImageSource::LitColour
             | ImageSource::Material
             | ImageSource::Sky
             | ImageSource::Captures(_)
-            | ImageSource::Own(_) => SourceMaker::There,
+            | ImageSource::Own(_) => SourceMaker::Existing,
             ImageSource::LitColourChain { gaussian } => {
                 let filter = if *gaussian { ChainFilter::Gaussian } else { ChainFilter::Hardware };
                 SourceMaker::Chain(ColorChainPass::new(gpu, ShaderStage::Fragment, extent, LIT_COLOR, filter)?)
             }
-            ImageSource::Depth(Depth::Reversed) => SourceMaker::There,
+            ImageSource::Depth(Depth::Reversed) => SourceMaker::Existing,
             ImageSource::Depth(Depth::Standard) => {
                 SourceMaker::Thesis(HiZPass::depth_alone(gpu, ShaderStage::Fragment, extent)?)
             }
-            ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, Axes::Left, float)?,
+            ImageSource::Depth(Depth::Linear) => convert(CONVERT_LINEAR_DEPTH, Axes::Left, float)?,
             ImageSource::Normal(Normal { world, encoding }) => {
                 let axes = if *world { conventions.world } else { conventions.view };
                 if !world && *encoding == NormalEncoding::Float && axes == Axes::Left {
-                    SourceMaker::There
+                    SourceMaker::Existing
                 } else {
                     // The codes of a normal's encodings follow that of the first encoding.
                     let first_code = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
-                    converted(first_code + *encoding as i32, axes, vk::Format::R16G16B16A16_SFLOAT)?
+                    convert(first_code + *encoding as i32, axes, vk::Format::R16G16B16A16_SFLOAT)?
                 }
             }
             ImageSource::Position { world } => {
-                let (what, axes) = match world {
+                let (code, axes) = match world {
                     true => (CONVERT_WORLD_PLACE, conventions.world),
                     false => (CONVERT_VIEW_PLACE, conventions.view),
                 };
-                converted(what, axes, vk::Format::R32G32B32A32_SFLOAT)?
+                convert(code, axes, vk::Format::R32G32B32A32_SFLOAT)?
             }
             ImageSource::ThesisHiZ => SourceMaker::Thesis(HiZPass::new(gpu, ShaderStage::Fragment, extent, true)?),
             ImageSource::Visibility => {
@@ -142,7 +141,7 @@ impl Inputs {
                 SourceMaker::Visibility(VisibilityPass::new(gpu, ShaderStage::Fragment, extent)?)
             }
             ImageSource::Pyramid => SourceMaker::Pyramid(PyramidPass::for_projection(gpu, extent, self.projection)?),
-            ImageSource::Motion => converted(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,
+            ImageSource::Motion => convert(CONVERT_MOTION, Axes::Left, vk::Format::R32G32_SFLOAT)?,
             ImageSource::BlueNoise => SourceMaker::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
                 let original = ImageSource::Depth(*depth);
@@ -154,8 +153,8 @@ impl Inputs {
                 let usage = U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
                 let desc = ImageDesc { name: &name, format: float, extent: size, levels, layers: 1, usage };
                 SourceMaker::Reduced {
-                    copy: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: true })?,
-                    reduce: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: false })?,
+                    copy: ComputePipeline::with_constants(gpu, &ReduceConstants { maximum: *maximum, copy: true })?,
+                    reduce: ComputePipeline::with_constants(gpu, &ReduceConstants { maximum: *maximum, copy: false })?,
                     chain: Image::new(gpu, &desc)?,
                     original,
                 }
@@ -163,17 +162,17 @@ impl Inputs {
             ImageSource::Previous(original) => {
                 if let ImageSource::Own(_) = **original {
                     // The method keeps its own images.
-                    SourceMaker::There
+                    SourceMaker::Existing
                 } else {
                     if **original == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer cannot be copied to the kept image, so shaders read a colour image with its
                         // values.
-                        let as_color = ((**original).clone(), converted(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
+                        let as_color = ((**original).clone(), convert(CONVERT_REVERSED_DEPTH, Axes::Left, float)?);
                         // The colour image replaces an earlier entry for the depth buffer, so that the colour image is
                         // kept.
-                        match self.made.iter_mut().find(|(known, _)| known == &**original) {
+                        match self.makers.iter_mut().find(|(known, _)| known == &**original) {
                             Some(known) => *known = as_color,
-                            None => self.made.push(as_color),
+                            None => self.makers.push(as_color),
                         }
                     }
                     self.add(gpu, extent, original, conventions)?;
@@ -183,14 +182,14 @@ impl Inputs {
                 }
             }
         };
-        self.made.push((source.clone(), made));
+        self.makers.push((source.clone(), maker));
         Ok(())
     }
 
     /// Returns the format of the two images that keep `source` for the next frame ([`Self::keep`]). It has all channels
     /// of the image from which they are copied.
     fn kept_format(&self, source: &ImageSource) -> vk::Format {
-        match self.made.iter().find(|(known, _)| known == source) {
+        match self.makers.iter().find(|(known, _)| known == source) {
             Some((_, SourceMaker::Converted { image, .. })) => image.format(),
             Some((_, SourceMaker::Thesis(_))) => vk::Format::R32G32_SFLOAT,
             _ => match source {
@@ -206,10 +205,10 @@ impl Inputs {
     pub fn record(&self, frame: &mut Frame, input: &Input, before: &Camera) -> Result<()> {
         let gbuffer = &input.gbuffer;
         let extent = gbuffer.depth.extent();
-        for (source, made) in &self.made {
+        for (source, maker) in &self.makers {
             let name = source.to_string();
-            match made {
-                SourceMaker::There | SourceMaker::Noise(_) | SourceMaker::Kept { .. } => {}
+            match maker {
+                SourceMaker::Existing | SourceMaker::Noise(_) | SourceMaker::Kept { .. } => {}
                 SourceMaker::Chain(pass) => {
                     pass.record(frame, gbuffer)?;
                 }
@@ -223,12 +222,12 @@ impl Inputs {
                 SourceMaker::Pyramid(pass) => {
                     pass.record(frame, gbuffer, &unified::parameters(input.camera, extent, false))?;
                 }
-                SourceMaker::Converted { pipeline, image, what, axes } => {
+                SourceMaker::Converted { pipeline, image, code, axes } => {
                     let program = Convert {
                         camera: &camera_block(input.camera, extent),
                         depth_buffer: Sampled::nearest(gbuffer.depth.all()),
                         normal_buffer: Sampled::nearest(gbuffer.normal.all()),
-                        convert: &convert_block(input.camera, before, *what, *axes),
+                        convert: &convert_block(input.camera, before, *code, *axes),
                     };
                     frame.fullscreen(&name, pipeline, [Target::overwrite(image.all())], &program)?;
                 }
@@ -249,15 +248,15 @@ impl Inputs {
 
     /// Returns the images that this frame made from the G-buffer, whose size is `extent`. Left out are the chain of the
     /// lit colour, copies of the frame before, noise, and images that need not be made.
-    pub fn made<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
-        self.made.iter().zip(&self.names).filter_map(move |((source, made), name)| {
-            let (content, image) = match made {
-                SourceMaker::There | SourceMaker::Chain(_) | SourceMaker::Noise(_) | SourceMaker::Kept { .. } => {
+    pub fn intermediates<'i>(&'i self, extent: [u32; 2]) -> impl Iterator<Item = Intermediate<'i>> + 'i {
+        self.makers.iter().zip(&self.names).filter_map(move |((source, maker), name)| {
+            let (content, image) = match maker {
+                SourceMaker::Existing | SourceMaker::Chain(_) | SourceMaker::Noise(_) | SourceMaker::Kept { .. } => {
                     return None;
                 }
-                SourceMaker::Thesis(pass) => (Content::StandardDepth, pass.made().0),
-                SourceMaker::Visibility(pass) => (Content::Share, pass.made().0),
-                SourceMaker::Pyramid(pass) => (Content::Pyramid(extent), pass.made().0),
+                SourceMaker::Thesis(pass) => (Content::StandardDepth, pass.recorded().0),
+                SourceMaker::Visibility(pass) => (Content::Share, pass.recorded().0),
+                SourceMaker::Pyramid(pass) => (Content::Pyramid(extent), pass.recorded().0),
                 SourceMaker::Converted { image, .. } => (content(source), image),
                 SourceMaker::Reduced { chain, original: reduced, .. } => (content(reduced), chain),
             };
@@ -268,8 +267,8 @@ impl Inputs {
     /// Copies the sources that the next frame reads of this frame. `turn` is 0 and 1 in alternate frames, and says
     /// which copy is replaced.
     pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
-        for (source, made) in &self.made {
-            if let SourceMaker::Kept { original, images } = made {
+        for (source, maker) in &self.makers {
+            if let SourceMaker::Kept { original, images } = maker {
                 frame.blit(&format!("keep {source}"), self.slice(original, input, turn)?, images[turn].all())?;
             }
         }
@@ -277,9 +276,9 @@ impl Inputs {
     }
 
     /// Clears the kept copies, since the first frame reads them although there is no frame before it.
-    pub fn begin(&self, frame: &mut Frame) -> Result<()> {
-        for (source, made) in &self.made {
-            if let SourceMaker::Kept { images, .. } = made {
+    pub fn clear_kept(&self, frame: &mut Frame) -> Result<()> {
+        for (source, maker) in &self.makers {
+            if let SourceMaker::Kept { images, .. } = maker {
                 for image in images {
                     frame.clear(&format!("clear {source}"), image.all(), [0.0; 4])?;
                 }
@@ -293,11 +292,11 @@ impl Inputs {
     fn image<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<&'i Image> {
         let GBuffer { depth, normal, material, color, .. } = input.gbuffer;
         let lacks = |what: &str| Error::Usage(format!("the method reads {source}, and there {what}"));
-        let made = self.made.iter().find(|(known, _)| known == source).map(|(_, made)| made);
-        Ok(match (made, source) {
-            (Some(SourceMaker::Thesis(pass)), _) => pass.made().0,
-            (Some(SourceMaker::Visibility(pass)), _) => pass.made().0,
-            (Some(SourceMaker::Pyramid(pass)), _) => pass.made().0,
+        let maker = self.makers.iter().find(|(known, _)| known == source).map(|(_, maker)| maker);
+        Ok(match (maker, source) {
+            (Some(SourceMaker::Thesis(pass)), _) => pass.recorded().0,
+            (Some(SourceMaker::Visibility(pass)), _) => pass.recorded().0,
+            (Some(SourceMaker::Pyramid(pass)), _) => pass.recorded().0,
             (Some(SourceMaker::Converted { image, .. }), _) | (Some(SourceMaker::Noise(image)), _) => image,
             (Some(SourceMaker::Reduced { chain, .. }), _) => chain,
             (Some(SourceMaker::Kept { images, .. }), _) => &images[1 - turn],
@@ -362,14 +361,14 @@ pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     }
 }
 
-/// Returns the uniforms of a conversion: `before` is the camera of the frame before, and `what` is the code of the
+/// Returns the uniforms of a conversion: `before` is the camera of the frame before, and `code` is that of the
 /// conversion, `CONVERT_*`.
-fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Axes) -> ConvertBlock {
+fn convert_block(camera: &Camera, before: &Camera, code: i32, axes: Axes) -> ConvertBlock {
     let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
     ConvertBlock {
         clip_to_clip_before: (clip(before) * clip(camera).inverse()).as_mat4().to_cols_array_2d(),
-        axes: values::axes(axes).as_mat4().to_cols_array_2d(),
-        what,
+        axes: values::to_axes(axes).as_mat4().to_cols_array_2d(),
+        what: code,
         ..ConvertBlock::default()
     }
 }
@@ -388,10 +387,10 @@ fn blue_noise(gpu: &Gpu) -> Result<Image> {
     let format = vk::Format::R8G8_UNORM;
     let desc =
         ImageDesc { name: "blue noise", format, extent, levels: 1, layers: 1, usage: U::SAMPLED | U::TRANSFER_DST };
-    let made = Image::new(gpu, &desc)?;
+    let image = Image::new(gpu, &desc)?;
     let mut staging =
         Buffer::new(gpu, "staging", bytes.len() as u64, vk::BufferUsageFlags::TRANSFER_SRC, MemoryPlace::Upload)?;
     staging.bytes_mut()?[..bytes.len()].copy_from_slice(&bytes);
-    FrameContext::new(gpu)?.once(|frame| frame.upload("blue noise", &staging, made.level(0)))?;
-    Ok(made)
+    FrameContext::new(gpu)?.once(|frame| frame.upload("blue noise", &staging, image.level(0)))?;
+    Ok(image)
 }

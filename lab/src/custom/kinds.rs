@@ -27,15 +27,20 @@ pub fn check_sampled(
     source: &ImageSource,
     images: &BTreeMap<String, ImageSection>,
 ) -> Result<(), String> {
-    let fed = fed(source, images);
+    let fed = source_kind(source, images);
     if kind.shadow {
-        return Err(format!("a {}, which compares with a depth; compare in the shader", sampler(kind)));
+        return Err(format!("a {}, which compares with a depth; compare in the shader", sampler_type(kind)));
     }
-    let is_equal = (kind.dim, kind.arrayed, kind.component) == (fed.dim, fed.arrayed, fed.component);
-    if is_equal && !kind.multisampled {
+    if has_same_texels(kind, &fed) {
         return Ok(());
     }
-    Err(format!("a {}, and is fed {source}, which is a {}", sampler(kind), sampler(&fed)))
+    Err(format!("a {}, and is fed {source}, which is a {}", sampler_type(kind), sampler_type(&fed)))
+}
+
+/// True if a shader can read an image of the kind `fed` as the kind `declared`, except for comparisons and formats.
+fn has_same_texels(declared: &ImageKind, fed: &ImageKind) -> bool {
+    let is_equal = (declared.dim, declared.arrayed, declared.component) == (fed.dim, fed.arrayed, fed.component);
+    is_equal && !declared.multisampled
 }
 
 /// Checks a storage image against the method's own image that feeds it.
@@ -44,16 +49,16 @@ pub fn check_sampled(
 /// Returns the sentences of [`check_sampled`].
 pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, ImageSection>) -> Result<(), String> {
     let Some(section) = images.get(name) else { return Ok(()) };
-    let fed = fed(&ImageSource::Own(name.to_owned()), images);
-    if (kind.dim, kind.arrayed, kind.component) != (fed.dim, fed.arrayed, fed.component) || kind.multisampled {
-        let [declared, actual] = [kind, &fed].map(|k| sampler(k).replace("sampler", "image"));
+    let fed = source_kind(&ImageSource::Own(name.to_owned()), images);
+    if !has_same_texels(kind, &fed) {
+        let [declared, actual] = [kind, &fed].map(|k| sampler_type(k).replace("sampler", "image"));
         return Err(format!("an {declared}, and {name} is an {actual}"));
     }
-    let storable = STORED.iter().find(|(format, _)| *format == section.format);
+    let storable = STORABLE.iter().find(|(format, _)| *format == section.format);
     match storable {
         None => Err(format!("stored to, and {name} is {}, which shaders can only draw to and look up", section.format)),
         Some((format, number)) if kind.format != 0 && kind.format != *number => {
-            let declared = STORED.iter().find(|(_, number)| *number == kind.format);
+            let declared = STORABLE.iter().find(|(_, number)| *number == kind.format);
             let declared = declared.map_or("of another format", |(format, _)| format);
             Err(format!("declared {declared}, and {name} is {format}"))
         }
@@ -62,7 +67,7 @@ pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, Imag
 }
 
 /// Formats to which shaders can store, as a manifest names them, and their numbers in SPIR-V.
-const STORED: [(&str, u32); 15] = [
+const STORABLE: [(&str, u32); 15] = [
     ("r8", 15),
     ("rg8", 13),
     ("rgba8", 4),
@@ -81,7 +86,7 @@ const STORED: [(&str, u32); 15] = [
 ];
 
 /// Returns the kind of image that a shader gets from a source.
-fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKind {
+fn source_kind(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKind {
     let plane = ImageKind {
         dim: Dim::Two,
         arrayed: false,
@@ -93,17 +98,17 @@ fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKi
     match source {
         ImageSource::Sky => ImageKind { dim: Dim::Cube, ..plane },
         ImageSource::Captures(_) => ImageKind { dim: Dim::Cube, arrayed: true, ..plane },
-        ImageSource::Previous(original) => fed(original, images),
+        ImageSource::Previous(original) => source_kind(original, images),
         ImageSource::Own(name) => {
             let format = images.get(name).and_then(|section| format_of(&section.format));
-            ImageKind { component: format.map_or(Component::Float, component), ..plane }
+            ImageKind { component: format.map_or(Component::Float, format_component), ..plane }
         }
         _ => plane,
     }
 }
 
 /// Returns the type of the numbers that a shader reads from an image of a format.
-fn component(format: vk::Format) -> Component {
+fn format_component(format: vk::Format) -> Component {
     match format {
         vk::Format::R32_UINT | vk::Format::R32G32_UINT | vk::Format::R32G32B32A32_UINT => Component::Uint,
         vk::Format::R32_SINT => Component::Int,
@@ -112,7 +117,7 @@ fn component(format: vk::Format) -> Component {
 }
 
 /// Returns the GLSL type of a sampler for a kind of image, such as `usampler2DArray`.
-fn sampler(kind: &ImageKind) -> String {
+fn sampler_type(kind: &ImageKind) -> String {
     let prefix = match kind.component {
         Component::Float => "",
         Component::Int => "i",
@@ -158,9 +163,10 @@ fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String
     let threads = u64::from(x) * u64::from(y) * u64::from(z);
     let sides_fit = interface.local_size.iter().zip(MAX_SIDES).all(|(side, most)| (1..=most).contains(side));
     if !sides_fit || threads > u64::from(MAX_THREADS) {
-        let [a, b, c] = MAX_SIDES;
+        let [max_x, max_y, max_z] = MAX_SIDES;
         return Err(format!(
-            "the workgroups of {file} have {x}x{y}x{z} threads; at most {MAX_THREADS}, and {a}x{b}x{c}, are possible"
+            "the workgroups of {file} have {x}x{y}x{z} threads; at most {MAX_THREADS}, and {max_x}x{max_y}x{max_z}, \
+             are possible"
         ));
     }
     if interface.shared_bytes > MAX_SHARED_BYTES {
@@ -198,7 +204,7 @@ fn check_outputs(manifest: &Manifest, pass: &Pass, outputs: &[StageVariable], fi
             return Err(format!("{file} writes `{name}` at location {}; targets are 0, 1 and so on", output.location));
         }
         let format = manifest.images.get(target).and_then(|image| format_of(&image.format));
-        let target_component = format.map_or(Component::Float, component);
+        let target_component = format.map_or(Component::Float, format_component);
         if output.component != Some(target_component) {
             let kind = |component: Component| match component {
                 Component::Float => "floats",

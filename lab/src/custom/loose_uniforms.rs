@@ -29,30 +29,30 @@ pub struct HoistedUniforms {
     /// The text with blocks in the place of loose uniforms. Lines stay where they are.
     pub text: String,
     /// Names of uniforms with their initial values; `None` for a value that does not consist of numbers alone.
-    pub own: Vec<(String, Option<Vec<f64>>)>,
+    pub initial_values: Vec<(String, Option<Vec<f64>>)>,
 }
 
 /// Puts the loose uniforms of a text into blocks.
-pub fn hoisted(text: &str) -> HoistedUniforms {
-    let mut made = HoistedUniforms::default();
+pub fn hoist(text: &str) -> HoistedUniforms {
+    let mut hoisted = HoistedUniforms::default();
     let mut blocks = Blocks::default();
-    // The number of bytes of the text that are copied or replaced so far.
-    let mut done = 0;
+    // The end of the last declaration that was replaced.
+    let mut end_of_last = 0;
     for (start, end) in declarations(text) {
         let Some(uniform) = LooseUniform::read(&text[start..end]) else { continue };
-        made.text.push_str(&text[done..start]);
-        blocks.place(&uniform, &mut made.text);
+        hoisted.text.push_str(&text[end_of_last..start]);
+        blocks.place(&uniform, &mut hoisted.text);
         // The line breaks of a declaration are kept, so that lines stay where they are.
-        made.text.extend(text[start..end].chars().filter(|c| *c == '\n'));
-        made.own.extend(uniform.own);
-        done = end;
+        hoisted.text.extend(text[start..end].chars().filter(|c| *c == '\n'));
+        hoisted.initial_values.extend(uniform.initial_values);
+        end_of_last = end;
     }
-    made.text.push_str(&text[done..]);
+    hoisted.text.push_str(&text[end_of_last..]);
     if !blocks.shared.is_empty() {
         let block = format!("layout(std140) uniform {LOOSE} {{ {}}};", blocks.shared);
-        made.text.insert_str(blocks.first, &block);
+        hoisted.text.insert_str(blocks.first, &block);
     }
-    made
+    hoisted
 }
 
 /// The blocks that the loose uniforms of a text have made so far.
@@ -133,7 +133,7 @@ struct LooseUniform {
     /// True if the type and the array sizes use no name of the shader, and so are known everywhere.
     is_plain: bool,
     /// Names and initial values, as in [`HoistedUniforms`].
-    own: Vec<(String, Option<Vec<f64>>)>,
+    initial_values: Vec<(String, Option<Vec<f64>>)>,
 }
 
 impl LooseUniform {
@@ -143,7 +143,7 @@ impl LooseUniform {
         let mut is_uniform = false;
         let kind = loop {
             rest = rest.trim_start();
-            let word = word(rest);
+            let word = leading_name(rest);
             if word == "layout" {
                 let inside = rest["layout".len()..].trim_start().strip_prefix('(')?;
                 rest = inside.split_once(')')?.1;
@@ -158,36 +158,38 @@ impl LooseUniform {
             return None;
         }
         let rest = &rest[kind.len()..];
-        let mut made = Self { fields: String::new(), is_plain: is_built_in(kind), own: Vec::new() };
+        let mut uniform = Self { fields: String::new(), is_plain: is_built_in(kind), initial_values: Vec::new() };
         // An array may stand behind the type, as in `float[4] gains`.
         let (type_size, rest) = match rest.trim_start().strip_prefix('[').and_then(|_| rest.split_once(']')) {
             Some((size, rest)) => (format!("{size}]"), rest),
             None => (String::new(), rest),
         };
-        for declarator in parts(rest, ',') {
-            let (declared, value) = match parts(declarator, '=')[..] {
+        for declarator in split_outside_brackets(rest, ',') {
+            let (declared, value) = match split_outside_brackets(declarator, '=')[..] {
                 [declared] => (declared.trim(), None),
                 [declared, value] => (declared.trim(), Some(value.trim())),
                 _ => return None,
             };
-            let name = word(declared);
+            let name = leading_name(declared);
             let sizes = format!("{}{type_size}", &declared[name.len()..]);
-            made.is_plain &= !sizes.contains(|c: char| c.is_ascii_alphabetic() || c == '_');
-            made.fields.push_str(&format!("{kind} {name}{sizes}; "));
-            made.own.extend(value.map(|value| (name.to_owned(), super::own_values::evaluate(value, kind))));
+            uniform.is_plain &= !sizes.contains(|c: char| c.is_ascii_alphabetic() || c == '_');
+            uniform.fields.push_str(&format!("{kind} {name}{sizes}; "));
+            uniform
+                .initial_values
+                .extend(value.map(|value| (name.to_owned(), super::initial_values::evaluate(value, kind))));
         }
-        Some(made)
+        Some(uniform)
     }
 }
 
 /// Returns the name at the beginning of a text; empty if the text begins with something else.
-fn word(text: &str) -> &str {
+fn leading_name(text: &str) -> &str {
     let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
     &text[..end]
 }
 
 /// Splits a text at the separators that stand outside of brackets.
-fn parts(text: &str, separator: char) -> Vec<&str> {
+fn split_outside_brackets(text: &str, separator: char) -> Vec<&str> {
     let (mut found, mut depth, mut start) = (Vec::new(), 0_i32, 0);
     for (offset, c) in text.char_indices() {
         match c {
@@ -207,8 +209,7 @@ fn parts(text: &str, separator: char) -> Vec<&str> {
 /// True for a type that is no number, such as samplers and images, whose uniforms need no block in Vulkan either.
 fn is_opaque(kind: &str) -> bool {
     // The letter for whole numbers is removed, as from `isampler2D` and `uimage2D`; `image2D` keeps its first letter.
-    let bare =
-        kind.strip_prefix(['i', 'u']).filter(|bare| !kind.starts_with("image") || bare.is_empty()).unwrap_or(kind);
+    let bare = if kind.starts_with("image") { kind } else { kind.strip_prefix(['i', 'u']).unwrap_or(kind) };
     ["sampler", "image", "texture", "subpassInput", "atomic_uint", "accelerationStructure"]
         .iter()
         .any(|opaque| bare.starts_with(opaque))
@@ -232,21 +233,21 @@ mod tests {
     fn uniforms_that_stand_alone_become_a_block() {
         let source = "#version 330\nuniform sampler2D a;\nuniform mat4 m;\nuniform highp float x = 2.0;\n\
             layout(location = 3) uniform vec2 size, other[2];\nuniform Block { float y; };\nvoid main() {}\n";
-        let made = hoisted(source);
+        let made = hoist(source);
         let lines: Vec<&str> = made.text.lines().collect();
         assert_eq!(lines.len(), source.lines().count());
         assert_eq!(lines[2], "layout(std140) uniform LooseUniforms { mat4 m; float x; vec2 size; vec2 other[2]; };");
         assert_eq!((lines[1], lines[3], lines[4]), ("uniform sampler2D a;", "", ""));
         assert_eq!(lines[5], "uniform Block { float y; };");
-        assert_eq!(made.own, [("x".to_owned(), Some(vec![2.0]))]);
+        assert_eq!(made.initial_values, [("x".to_owned(), Some(vec![2.0]))]);
         let plain = "#version 460\nlayout(std140, binding = 0) uniform B {\n    float x;\n} b;\nvoid main() {}\n";
-        assert_eq!(hoisted(plain).text, plain);
+        assert_eq!(hoist(plain).text, plain);
     }
 
     #[test]
     fn declarations_are_read_by_their_tokens() {
         let block = |source: &str| {
-            let text = hoisted(source).text;
+            let text = hoist(source).text;
             assert_eq!(text.matches('\n').count(), source.matches('\n').count(), "lines stay: {text}");
             let from = text.find("layout(std140)").expect("a block");
             text[from..text[from..].find("};").map_or(text.len(), |end| from + end + 2)].to_owned()
@@ -269,7 +270,7 @@ mod tests {
 
     #[test]
     fn names_of_the_shader_stay_behind_what_they_name() {
-        let made = hoisted("uniform float a;\nconst int N = 3;\nuniform float w[N];\nuniform S s;\nuniform int b;\n");
+        let made = hoist("uniform float a;\nconst int N = 3;\nuniform float w[N];\nuniform S s;\nuniform int b;\n");
         let lines: Vec<&str> = made.text.lines().collect();
         assert_eq!(lines[0], "layout(std140) uniform LooseUniforms { float a; int b; };");
         assert_eq!(lines[2], "layout(std140) uniform LooseUniforms1 { float w[N]; };");

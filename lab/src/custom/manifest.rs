@@ -66,14 +66,11 @@ pub struct Manifest {
 
 impl Manifest {
     /// Reads `method.toml` of a folder.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if there is no manifest; [`Malformed`](ssct_ground::Error::Malformed) with the line of the fault.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let text = source_text::read(&path, "a manifest", MAX_BYTES)?;
         let source = SourceText { path: &path, text: &text };
-        let sections: Sections = source.deserialized().map_err(|error| all_missing(&source, error))?;
+        let sections: Sections = source.deserialized().map_err(|error| list_missing_keys(&source, error))?;
         Self::checked(folder, text, sections)
     }
 
@@ -81,102 +78,26 @@ impl Manifest {
     fn checked(folder: &Path, text: String, sections: Sections) -> Result<Self> {
         let path = folder.join(MANIFEST);
         let source = SourceText { path: &path, text: &text };
-        let wrong = |span: Range<usize>, message: String| source.error(span, message);
         let name = sections.name.get_ref();
         if !is_word(name) {
             let message = format!("the name {name:?} must consist of small letters, digits and hyphens");
-            return Err(wrong(sections.name.span(), message));
+            return Err(source.error(sections.name.span(), message));
         }
         let patience = match &sections.patience_s {
             None => PATIENCE,
             Some(s) if *s.get_ref() > 0.0 && *s.get_ref() <= 1e5 => Duration::from_secs_f64(*s.get_ref()),
-            Some(s) => return Err(wrong(s.span(), "patience-s must be above 0 and at most 100000 seconds".into())),
+            Some(s) => return Err(source.error(s.span(), "patience-s must be above 0 and at most 100000 seconds")),
         };
-        for (name, image) in &sections.image {
-            let section = image.get_ref();
-            if format_of(&section.format).is_none() {
-                let known = FORMATS.map(|(name, _)| name).join(", ");
-                return Err(wrong(
-                    image.span(),
-                    format!("image {name}: no format {:?}; there is: {known}", section.format),
-                ));
-            }
-            if section.format.ends_with('i') && section.clear.number().is_some_and(|number| number != 0.0) {
-                let whole = format!("{} has whole numbers, which are cleared to 0 alone (true)", section.format);
-                return Err(wrong(image.span(), format!("image {name}: {whole}")));
-            }
-            if !(section.scale > 0.0 && section.scale <= MOST_SCALE) {
-                return Err(wrong(
-                    image.span(),
-                    format!("image {name}: the scale must be above 0 and at most {MOST_SCALE}"),
-                ));
-            }
-        }
-        let images: BTreeMap<String, ImageSection> =
-            sections.image.iter().map(|(name, image)| (name.clone(), image.get_ref().clone())).collect();
-        let buffers: BTreeMap<String, BufferSection> =
-            sections.buffer.iter().map(|(name, b)| (name.clone(), b.get_ref().clone())).collect();
-        for (name, buffer) in &sections.buffer {
-            let section = buffer.get_ref();
-            if !(0.0..=1024.0).contains(&section.bytes_per_pixel)
-                || (section.bytes == 0 && section.bytes_per_pixel == 0.0)
-            {
-                let message = format!("buffer {name} needs bytes, or bytes-per-pixel up to 1024, or both");
-                return Err(wrong(buffer.span(), message));
-            }
-            if images.contains_key(name) {
-                return Err(wrong(buffer.span(), format!("{name} is the name of an image already")));
-            }
-        }
-        let known = KnownNames { images: &images, buffers: &buffers };
-        let parameters: Vec<String> = sections.parameter.keys().cloned().collect();
-        let mut ordered: Vec<_> = sections.parameter.into_iter().collect();
-        ordered.sort_by_key(|(_, section)| section.span().start);
-        let mut passes = Vec::new();
+        let images = check_images(&sections.image, &source)?;
+        let buffers = check_buffers(&sections.buffer, &images, &source)?;
         if sections.pass.is_empty() {
             return Err(Error::malformed(&path, None, "there is no [[pass]]"));
         }
-        for pass in &sections.pass {
-            let checked = known.pass(folder, pass, (&sections.inputs, &sections.values), &parameters, &wrong)?;
-            let follows = |before: Option<&Pass>| before.is_some_and(|before| before.levels == checked.levels);
-            if checked.interleaved && !follows(passes.last()) {
-                let message = format!(
-                    "pass {:?} is interleaved, and no pass with the same levels stands before it",
-                    checked.name
-                );
-                return Err(wrong(pass.span(), message));
-            }
-            if passes.iter().any(|p: &Pass| p.name == checked.name) {
-                return Err(wrong(pass.span(), format!("there are two passes {:?}", checked.name)));
-            }
-            passes.push(checked);
-        }
-        let output = sections.output.get_ref().clone();
-        for image in [Some(&output.reflection), output.hits.as_ref()].into_iter().flatten() {
-            if !images.contains_key(image) {
-                let message = format!("output: there is no [image.{image}]");
-                return Err(wrong(sections.output.span(), message));
-            }
-        }
-        if output.hits_are == HitEncoding::UvDepthPath
-            && let Some(hits) = output.hits.as_ref().and_then(|name| images.get(name))
-            && (hits.format != "rgba32f" || hits.scale != 1.0 || hits.levels != 1)
-        {
-            let message = "output: hits that are uv-depth-path stand in an image of the format rgba32f and the scale 1, with one level";
-            return Err(wrong(sections.output.span(), message.into()));
-        }
-        for (name, image) in &sections.image {
-            let previous = ImageSource::Previous(Box::new(ImageSource::Own(name.clone())));
-            let reads = |p: &Pass| p.inputs.values().any(|i| i.what == InputKind::Image(previous.clone()));
-            if image.get_ref().history != passes.iter().any(reads) {
-                let fault = if image.get_ref().history {
-                    "has a history that no pass reads"
-                } else {
-                    "is read as it was in the frame before without history = true"
-                };
-                return Err(wrong(image.span(), format!("image {name} {fault}")));
-            }
-        }
+        let passes = check_passes(folder, &sections, &KnownNames { images: &images, buffers: &buffers }, &source)?;
+        check_output(&sections.output, &images, &source)?;
+        check_histories(&sections.image, &passes, &source)?;
+        let mut parameters: Vec<_> = sections.parameter.into_iter().collect();
+        parameters.sort_by_key(|(_, section)| section.span().start);
         Ok(Self {
             folder: folder.to_path_buf(),
             name: name.clone(),
@@ -186,11 +107,11 @@ impl Manifest {
             include: folder.join(sections.include.unwrap_or_default()),
             captures: sections.captures,
             patience,
-            parameters: ordered,
+            parameters,
             images,
             buffers,
             passes,
-            output,
+            output: sections.output.into_inner(),
             text,
         })
     }
@@ -202,8 +123,111 @@ impl Manifest {
 
     /// True if a value of this name feeds a shader.
     pub fn reads_value(&self, name: &str) -> bool {
-        self.passes.iter().any(|p| p.values.values().any(|(given, _)| given.is_named(name)))
+        self.passes.iter().any(|p| p.values.values().any(|(feed, _)| feed.is_named(name)))
     }
+}
+
+/// Checks the sections of images, and returns them by name.
+fn check_images(
+    sections: &BTreeMap<String, Spanned<ImageSection>>,
+    source: &SourceText,
+) -> Result<BTreeMap<String, ImageSection>> {
+    for (name, image) in sections {
+        let section = image.get_ref();
+        let fault = if format_of(&section.format).is_none() {
+            let known = FORMATS.map(|(name, _)| name).join(", ");
+            format!("no format {:?}; there is: {known}", section.format)
+        } else if section.format.ends_with('i') && section.clear.number().is_some_and(|number| number != 0.0) {
+            format!("{} has whole numbers, which are cleared to 0 alone (true)", section.format)
+        } else if !(section.scale > 0.0 && section.scale <= MOST_SCALE) {
+            format!("the scale must be above 0 and at most {MOST_SCALE}")
+        } else {
+            continue;
+        };
+        return Err(source.error(image.span(), format!("image {name}: {fault}")));
+    }
+    Ok(sections.iter().map(|(name, image)| (name.clone(), image.get_ref().clone())).collect())
+}
+
+/// Checks the sections of buffers, and returns them by name.
+fn check_buffers(
+    sections: &BTreeMap<String, Spanned<BufferSection>>,
+    images: &BTreeMap<String, ImageSection>,
+    source: &SourceText,
+) -> Result<BTreeMap<String, BufferSection>> {
+    for (name, buffer) in sections {
+        let section = buffer.get_ref();
+        if !(0.0..=1024.0).contains(&section.bytes_per_pixel) || (section.bytes == 0 && section.bytes_per_pixel == 0.0)
+        {
+            let message = format!("buffer {name} needs bytes, or bytes-per-pixel up to 1024, or both");
+            return Err(source.error(buffer.span(), message));
+        }
+        if images.contains_key(name) {
+            return Err(source.error(buffer.span(), format!("{name} is the name of an image already")));
+        }
+    }
+    Ok(sections.iter().map(|(name, buffer)| (name.clone(), buffer.get_ref().clone())).collect())
+}
+
+/// Checks the passes, each by itself and against the passes before it.
+fn check_passes(folder: &Path, sections: &Sections, known: &KnownNames, source: &SourceText) -> Result<Vec<Pass>> {
+    let parameters: Vec<String> = sections.parameter.keys().cloned().collect();
+    let mut passes: Vec<Pass> = Vec::new();
+    for section in &sections.pass {
+        let pass = known.pass(folder, section, (&sections.inputs, &sections.values), &parameters, source)?;
+        if pass.interleaved && passes.last().is_none_or(|before| before.levels != pass.levels) {
+            let message =
+                format!("pass {:?} is interleaved, and no pass with the same levels stands before it", pass.name);
+            return Err(source.error(section.span(), message));
+        }
+        if passes.iter().any(|before| before.name == pass.name) {
+            return Err(source.error(section.span(), format!("there are two passes {:?}", pass.name)));
+        }
+        passes.push(pass);
+    }
+    Ok(passes)
+}
+
+/// Checks that the images which a method returns exist, and that hits are encoded in an image that can hold them.
+fn check_output(
+    section: &Spanned<OutputSection>,
+    images: &BTreeMap<String, ImageSection>,
+    source: &SourceText,
+) -> Result<()> {
+    let output = section.get_ref();
+    for image in [Some(&output.reflection), output.hits.as_ref()].into_iter().flatten() {
+        if !images.contains_key(image) {
+            return Err(source.error(section.span(), format!("output: there is no [image.{image}]")));
+        }
+    }
+    if output.hits_are == HitEncoding::UvDepthPath
+        && let Some(hits) = output.hits.as_ref().and_then(|name| images.get(name))
+        && (hits.format != "rgba32f" || hits.scale != 1.0 || hits.levels != 1)
+    {
+        let message = "output: hits that are uv-depth-path stand in an image of the format rgba32f and the scale 1, with \
+                       one level";
+        return Err(source.error(section.span(), message));
+    }
+    Ok(())
+}
+
+/// Checks that an image has a history if and only if a pass reads the image as it was in the frame before.
+fn check_histories(
+    images: &BTreeMap<String, Spanned<ImageSection>>,
+    passes: &[Pass],
+    source: &SourceText,
+) -> Result<()> {
+    for (name, image) in images {
+        let previous = InputKind::Image(ImageSource::Previous(Box::new(ImageSource::Own(name.clone()))));
+        let is_read = passes.iter().flat_map(|pass| pass.inputs.values()).any(|input| input.what == previous);
+        let fault = match (image.get_ref().history, is_read) {
+            (true, false) => "has a history that no pass reads",
+            (false, true) => "is read as it was in the frame before without history = true",
+            _ => continue,
+        };
+        return Err(source.error(image.span(), format!("image {name} {fault}")));
+    }
+    Ok(())
 }
 
 /// The form in which a table is written in a manifest.
@@ -229,25 +253,25 @@ const REQUIRED: [(&str, TableForm, &[&str]); 5] = [
 ];
 
 /// Replaces an error about one missing key by an error that lists all missing keys; returns any other error unchanged.
-fn all_missing(source: &SourceText, error: Error) -> Error {
+fn list_missing_keys(source: &SourceText, error: Error) -> Error {
     let message = error.to_string();
     if message.contains("unknown field") || !message.contains("missing field") {
         return error;
     }
     let missing = toml::from_str::<toml::Table>(source.text).map_or(Vec::new(), |table| missing_keys(&table));
-    let is = match missing.len() {
+    let verb = match missing.len() {
         0 => return error,
         1 => "is",
         _ => "are",
     };
-    Error::malformed(source.path, None, format!("{} {is} missing", missing.join(", ")))
+    Error::malformed(source.path, None, format!("{} {verb} missing", missing.join(", ")))
 }
 
 /// Returns every key that a manifest must have and lacks, such as `image.result.format`.
 fn missing_keys(manifest: &toml::Table) -> Vec<String> {
     let mut missing = Vec::new();
     for (name, form, keys) in REQUIRED {
-        for (place, table) in tables(manifest, name, form) {
+        for (place, table) in find_tables(manifest, name, form) {
             missing.extend(keys.iter().filter(|key| !table.contains_key(**key)).map(|key| format!("{place}{key}")));
         }
     }
@@ -256,7 +280,7 @@ fn missing_keys(manifest: &toml::Table) -> Vec<String> {
 
 /// Returns the tables with a name, which are written in the given form. Each comes with the text that stands before its
 /// keys in messages.
-fn tables<'t>(manifest: &'t toml::Table, name: &str, form: TableForm) -> Vec<(String, &'t toml::Table)> {
+fn find_tables<'t>(manifest: &'t toml::Table, name: &str, form: TableForm) -> Vec<(String, &'t toml::Table)> {
     let value = manifest.get(name);
     let table = value.and_then(toml::Value::as_table);
     let list = value.and_then(toml::Value::as_array).into_iter().flatten();
@@ -265,7 +289,7 @@ fn tables<'t>(manifest: &'t toml::Table, name: &str, form: TableForm) -> Vec<(St
         TableForm::Once => table.map(|table| (format!("{name}."), table)).into_iter().collect(),
         TableForm::ByName => {
             let named = table.into_iter().flatten();
-            named.filter_map(|(own, value)| Some((format!("{name}.{own}."), value.as_table()?))).collect()
+            named.filter_map(|(key, value)| Some((format!("{name}.{key}."), value.as_table()?))).collect()
         }
         TableForm::InOrder => {
             list.zip(1..).filter_map(|(value, n)| Some((format!("{name} {n}: "), value.as_table()?))).collect()

@@ -47,9 +47,9 @@ struct Reload {
     setup: Setup,
     hits: bool,
     /// The time of the last check of the files.
-    looked: Cell<Instant>,
-    /// When each file had been written, as the last check found it.
-    seen: RefCell<Vec<Option<SystemTime>>>,
+    last_check: Cell<Instant>,
+    /// The time at which each file had been written when the last check was made.
+    last_stamps: RefCell<Vec<Option<SystemTime>>>,
 }
 
 impl CustomMethod {
@@ -67,8 +67,8 @@ impl CustomMethod {
             folder: manifest.folder.clone(),
             setup: request.setup.clone(),
             hits: request.hits,
-            looked: Cell::new(Instant::now()),
-            seen: RefCell::new(stamps(&running.files)),
+            last_check: Cell::new(Instant::now()),
+            last_stamps: RefCell::new(stamps(&running.files)),
         });
         Ok(Self { first: Version { running, next: OnceCell::new() }, reload })
     }
@@ -87,7 +87,7 @@ impl Method for CustomMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         if let Some(reload) = &self.reload {
             let last = self.last();
-            if let Some(running) = reload.changed(&last.running) {
+            if let Some(running) = reload.remake(&last.running) {
                 let _ = last.next.set(Box::new(Version { running, next: OnceCell::new() }));
             }
         }
@@ -98,22 +98,22 @@ impl Method for CustomMethod {
 impl Reload {
     /// Makes the method anew if its files changed since the last check; `None` if they did not, or have a fault. The
     /// parameters are those that were declared when the method was made.
-    fn changed(&self, running: &RunningVersion) -> Option<RunningVersion> {
-        if self.looked.get().elapsed() < PERIOD {
+    fn remake(&self, running: &RunningVersion) -> Option<RunningVersion> {
+        if self.last_check.get().elapsed() < PERIOD {
             return None;
         }
-        self.looked.set(Instant::now());
+        self.last_check.set(Instant::now());
         let written = stamps(&running.files);
-        if *self.seen.borrow() == written {
+        if *self.last_stamps.borrow() == written {
             return None;
         }
-        *self.seen.borrow_mut() = written;
+        *self.last_stamps.borrow_mut() = written;
         let made = Manifest::read(&self.folder).map_err(Error::from).and_then(|manifest| {
             RunningVersion::new(&self.gpu, &manifest, &running.parameters, &self.setup, self.hits)
         });
         match made {
             Ok(running) => {
-                *self.seen.borrow_mut() = stamps(&running.files);
+                *self.last_stamps.borrow_mut() = stamps(&running.files);
                 Some(running)
             }
             Err(error) => {
@@ -203,10 +203,10 @@ impl RunningVersion {
         let mut compiled = Vec::new();
         let mut passes = Vec::new();
         for pass in &manifest.passes {
-            let made = shader::compile(manifest, pass)?;
-            let bindings = PassBindings::new(manifest, pass, &made)?;
+            let compiled_pass = shader::compile(manifest, pass)?;
+            let bindings = PassBindings::new(manifest, pass, &compiled_pass)?;
             for bound in &bindings.inputs {
-                if let BoundInput::Buffer(name, _, bytes) = bound
+                if let BoundInput::Buffer { name, bytes, .. } = bound
                     && let Some((buffer, _)) = buffers.get(name)
                     && buffer.size() < u64::from(*bytes)
                 {
@@ -218,25 +218,25 @@ impl RunningVersion {
                     return Err(manifest.error(&pass.span, message).into());
                 }
             }
-            let constants = bindings::constants(pass, &made, &initial_state);
+            let constants = bindings::constants(pass, &compiled_pass, &initial_state);
             let program = match pass.stage {
-                PassStage::Compute => LooseProgram::compute(gpu, made.shader, &constants)?,
+                PassStage::Compute => LooseProgram::compute(gpu, compiled_pass.shader, &constants)?,
                 PassStage::Fragment => {
                     let format = |(name, _): &(String, LevelOf)| match is_unwanted(manifest, name, hits) {
                         true => vk::Format::UNDEFINED,
                         false => images[name].images[0].format(),
                     };
                     let formats: Vec<_> = pass.targets.iter().map(format).collect();
-                    LooseProgram::fragment(gpu, made.shader, &constants, &formats)?
+                    LooseProgram::fragment(gpu, compiled_pass.shader, &constants, &formats)?
                 }
             };
             passes.push(PreparedPass { pass: pass.clone(), program, bindings });
-            compiled.push(made);
+            compiled.push(compiled_pass);
         }
         bindings::check_all_read(manifest, &compiled)?;
         let mut sources: Vec<ImageSource> = Vec::new();
         for bound in passes.iter().flat_map(|p| &p.bindings.inputs) {
-            if let BoundInput::Sampled(source, ..) = bound {
+            if let BoundInput::Sampled { source, .. } = bound {
                 sources.push(source.clone());
             }
         }
@@ -262,7 +262,7 @@ impl RunningVersion {
 
     /// Returns the method's own image with a name. An image with a history exists twice, and `turn` chooses one of the
     /// two.
-    fn own(&self, name: &str, turn: usize) -> &Image {
+    fn own_image(&self, name: &str, turn: usize) -> &Image {
         let images = &self.images[name].images;
         &images[turn % images.len()]
     }
@@ -274,7 +274,7 @@ impl RunningVersion {
         let turn = number as usize % 2;
         let extent = input.gbuffer.depth.extent();
         if before.is_none() {
-            self.inputs.begin(frame)?;
+            self.inputs.clear_kept(frame)?;
         }
         for (name, image) in &self.images {
             // The first frame clears both copies of an image with a history.
@@ -324,9 +324,9 @@ impl RunningVersion {
         }
         self.inputs.keep(frame, input, turn)?;
         let output = &self.manifest.output;
-        let reflection = self.output.reflection(frame, input, self.own(&output.reflection, turn))?;
+        let reflection = self.output.reflection(frame, input, self.own_image(&output.reflection, turn))?;
         let hits = match &output.hits {
-            Some(name) => self.output.hits(frame, input, self.own(name, turn), &state(extent, 0))?,
+            Some(name) => self.output.hits(frame, input, self.own_image(name, turn), &state(extent, 0))?,
             None => None,
         };
         let shown = |(name, image): (&&'static str, &'a OwnImage)| {
@@ -334,9 +334,8 @@ impl RunningVersion {
             content(image.format()).map(|content| Intermediate { name, content, image })
         };
         let own = self.names.iter().zip(self.images.values()).filter_map(shown);
-        // If an own image and a source have the same name, only the own image is shown, since the author of the method
-        // means it.
-        let sources = self.inputs.made(extent).filter(|made| !self.images.contains_key(made.name));
+        // If an own image and a source have one name, the own image is shown, since the author of the method means it.
+        let sources = self.inputs.intermediates(extent).filter(|image| !self.images.contains_key(image.name));
         let intermediates = sources.chain(own).collect();
         Ok(MethodOutput { hits: hits.map(Hits), intermediates, ..MethodOutput::new(Reflection(reflection)) })
     }
@@ -351,7 +350,7 @@ impl RunningVersion {
         state: &impl Fn([u32; 2], u32) -> FrameState<'s>,
     ) -> Result<bool> {
         let slice = |name: &str, wanted_level: LevelOf, turn: usize| -> Option<ImageSlice<'a>> {
-            let image = self.own(name, turn);
+            let image = self.own_image(name, turn);
             let number = match wanted_level {
                 LevelOf::All => return Some(image.all()),
                 LevelOf::Number(n) => n,
@@ -364,7 +363,7 @@ impl RunningVersion {
             let Some(slice) = slice(name, *wanted_level, turn) else { return self.skip_or_fail(pass, name) };
             targets.push(slice);
         }
-        let (pass_extent, dispatch_size) = match &pass.reach {
+        let (pass_extent, dispatch_size) = match &pass.domain {
             PassDomain::Targets => (targets[0].extent(), None),
             PassDomain::Threads(name, wanted_level) => {
                 let Some(slice) = slice(name, *wanted_level, turn) else { return self.skip_or_fail(pass, name) };
@@ -390,26 +389,26 @@ impl RunningVersion {
         let blocks: Vec<Vec<u8>> = bindings
             .inputs
             .iter()
-            .map(|b| if let BoundInput::Uniform(fields, size) = b { block(fields, *size) } else { Vec::new() })
+            .map(|b| if let BoundInput::Uniform { fields, bytes } = b { block(fields, *bytes) } else { Vec::new() })
             .collect();
         let mut resources = Vec::with_capacity(bindings.inputs.len());
-        for (bound, bytes) in bindings.inputs.iter().zip(&blocks) {
+        for (bound, block_bytes) in bindings.inputs.iter().zip(&blocks) {
             resources.push(match bound {
-                BoundInput::Uniform(..) => Resource::Uniform(bytes),
-                BoundInput::Buffer(name, true, _) => Resource::ReadBuffer(&self.buffers[name].0),
-                BoundInput::Buffer(name, false, _) => Resource::Buffer(&self.buffers[name].0),
-                BoundInput::Stored(name, wanted_level, read_only) => {
+                BoundInput::Uniform { .. } => Resource::Uniform(block_bytes),
+                BoundInput::Buffer { name, read_only: true, .. } => Resource::ReadBuffer(&self.buffers[name].0),
+                BoundInput::Buffer { name, .. } => Resource::Buffer(&self.buffers[name].0),
+                BoundInput::Stored { name, level: wanted_level, read_only } => {
                     let Some(slice) = slice(name, *wanted_level, turn) else { return self.skip_or_fail(pass, name) };
                     if *read_only { Resource::Loaded(slice) } else { Resource::Storage(slice) }
                 }
-                BoundInput::Sampled(source, sampler, wanted_level) => {
+                BoundInput::Sampled { source, sampler, level: wanted_level } => {
                     let slice = match source {
                         ImageSource::Own(name) => match slice(name, *wanted_level, turn) {
                             Some(slice) => slice,
                             None => return self.skip_or_fail(pass, name),
                         },
                         ImageSource::Previous(inner) => match &**inner {
-                            ImageSource::Own(name) => self.own(name, turn + 1).all(),
+                            ImageSource::Own(name) => self.own_image(name, turn + 1).all(),
                             _ => self.inputs.slice(source, input, turn)?,
                         },
                         ImageSource::Sky => match input.sky {
@@ -449,10 +448,8 @@ impl RunningVersion {
         if pass.levels.is_some() {
             return Ok(false);
         }
-        Err(self
-            .manifest
-            .error(&pass.span, format!("pass {:?}: the image {image} has no such level", pass.name))
-            .into())
+        let message = format!("pass {:?}: the image {image} has no such level", pass.name);
+        Err(self.manifest.error(&pass.span, message).into())
     }
 }
 

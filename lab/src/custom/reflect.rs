@@ -103,7 +103,7 @@ pub struct ImageKind {
 const NAMELESS_PUSH: &str = "push";
 
 /// Returns a clause for messages that explains a name which consists of set and binding.
-pub fn nameless(name: &str) -> String {
+pub fn explain_nameless(name: &str) -> String {
     format!("the module has no names, and {name:?} is set and binding; a compiler keeps names with -g")
 }
 
@@ -190,7 +190,7 @@ pub struct ShaderInterface {
 pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, String> {
     let code = SpirvCode::read(words).ok_or("is not SPIR-V")?;
     check_entry(&code, is_fragment)?;
-    for capability in code.all(op::CAPABILITY) {
+    for capability in code.with_opcode(op::CAPABILITY) {
         let number = capability.word(0);
         if !CAPABILITIES.iter().any(|known| *known as u32 == number) {
             let name = NAMES.iter().find(|(known, _)| *known as u32 == number).map(|(_, name)| (*name).to_owned());
@@ -198,57 +198,60 @@ pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, Stri
             return Err(format!("needs {name}, which this program does not turn on"));
         }
     }
-    let mut found = ShaderInterface {
+    let mut interface = ShaderInterface {
         words: Vec::new(),
         variables: Vec::new(),
         push: None,
         inputs: Vec::new(),
         outputs: Vec::new(),
-        constants: constants(&code),
+        constants: specialization_constants(&code),
         local_size: code.local_size()?,
         shared_bytes: 0,
     };
     // The variables that descriptors bind: set and binding, id, and variable.
     let mut resources = Vec::new();
-    for variable in code.all(op::VARIABLE) {
+    for variable in code.with_opcode(op::VARIABLE) {
         let (pointer, id, class) = (variable.word(0), variable.word(1), variable.word(2));
         let pointee = code.pointee(pointer).ok_or("has a variable without a type")?;
         match class {
             class::UNIFORM_CONSTANT | class::UNIFORM | class::STORAGE_BUFFER => {
                 let place = [decoration::SET, decoration::BINDING].map(|d| code.decoration(id, d).unwrap_or(0));
-                let variable = resource(&code, (id, class, pointee), place)?;
+                let variable = read_bound(&code, (id, class, pointee), place)?;
                 resources.push((place, id, variable));
             }
             class::PUSH_CONSTANT => {
                 let layout = BlockLayout::from_type(&code, pointee, id)?;
                 let name = code.name(pointee);
-                found.push = Some((if name.is_empty() { NAMELESS_PUSH.to_owned() } else { name.to_owned() }, layout));
+                interface.push =
+                    Some((if name.is_empty() { NAMELESS_PUSH.to_owned() } else { name.to_owned() }, layout));
             }
-            class::INPUT if is_fragment && code.is_used(id) => found.inputs.extend(stage_variable(&code, id, pointee)),
-            class::OUTPUT if is_fragment => found.outputs.extend(stage_variable(&code, id, pointee)),
-            class::WORKGROUP => found.shared_bytes += u64::from(code.plain_size(pointee).unwrap_or(0)),
+            class::INPUT if is_fragment && code.is_used(id) => {
+                interface.inputs.extend(stage_variable(&code, id, pointee))
+            }
+            class::OUTPUT if is_fragment => interface.outputs.extend(stage_variable(&code, id, pointee)),
+            class::WORKGROUP => interface.shared_bytes += u64::from(code.plain_size(pointee).unwrap_or(0)),
             _ => {}
         }
     }
-    found.outputs.sort_by_key(|output| output.location);
+    interface.outputs.sort_by_key(|output| output.location);
     resources.sort_by_key(|(place, id, _)| (*place, *id));
     let mut bindings = BTreeMap::new();
     for (binding, (_, id, mut variable)) in (0..).zip(resources) {
         variable.binding = binding;
         bindings.insert(id, binding);
-        found.variables.push(variable);
+        interface.variables.push(variable);
     }
-    found.words = code.with_places(&bindings, input_place(&code, &found.inputs));
-    Ok(found)
+    interface.words = code.with_places(&bindings, sole_input(&code, &interface.inputs));
+    Ok(interface)
 }
 
 /// Returns the id of the input that a fragment shader reads, if it reads only one. The input is moved to location 0, at
 /// which texture coordinates arrive.
-fn input_place(code: &SpirvCode, inputs: &[StageVariable]) -> Option<u32> {
+fn sole_input(code: &SpirvCode, inputs: &[StageVariable]) -> Option<u32> {
     let [only] = inputs else { return None };
     let is_only_input =
         |id: u32| code.name(id) == only.name && code.decoration(id, decoration::LOCATION) == Some(only.location);
-    let mut ids = code.all(op::VARIABLE).filter(|v| v.word(2) == class::INPUT).map(|v| v.word(1));
+    let mut ids = code.with_opcode(op::VARIABLE).filter(|v| v.word(2) == class::INPUT).map(|v| v.word(1));
     ids.find(|id| is_only_input(*id))
 }
 
@@ -256,7 +259,7 @@ fn input_place(code: &SpirvCode, inputs: &[StageVariable]) -> Option<u32> {
 fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
     const FRAGMENT: u32 = ExecutionModel::Fragment as u32;
     const COMPUTE: u32 = ExecutionModel::GLCompute as u32;
-    let entries: Vec<(u32, String)> = code.all(op::ENTRY_POINT).map(|e| (e.word(0), e.text(2))).collect();
+    let entries: Vec<(u32, String)> = code.with_opcode(op::ENTRY_POINT).map(|e| (e.word(0), e.text(2))).collect();
     let Some((stage, _)) = entries.iter().find(|(_, name)| name == "main") else {
         return Err("has no entry point main".to_owned());
     };
@@ -270,27 +273,27 @@ fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
 
 /// Reads a variable that a descriptor binds: from its id, its storage class, the type that it points to, and its set
 /// and binding in the module. Its new binding is still 0.
-fn resource(
+fn read_bound(
     code: &SpirvCode,
     (id, class, pointee): (u32, u32, u32),
     [set, binding]: [u32; 2],
 ) -> Result<Variable, String> {
     let own_name = code.name(id);
-    let (element, count) = code.element(pointee);
+    let (element, count) = code.array_element(pointee);
     let is_nameless = own_name.is_empty() && code.name(element).is_empty();
     let block = if is_nameless { format!("{set}.{binding}") } else { code.name(element).to_owned() };
     let name = if own_name.is_empty() { block.clone() } else { own_name.to_owned() };
     let is_storage = class == class::STORAGE_BUFFER || code.decoration(element, decoration::BUFFER_BLOCK).is_some();
     let separate = || {
-        let why = if is_nameless { format!(" ({})", nameless(&name)) } else { String::new() };
+        let why = if is_nameless { format!(" ({})", explain_nameless(&name)) } else { String::new() };
         format!("binds {name} as a separate image or sampler{why}; use sampler2D and the like, which are both")
     };
     let kind = match code.definition(element).map(|d| (d.opcode, d)) {
         Some((op::TYPE_SAMPLED_IMAGE, definition)) => {
-            VariableKind::Sampled(image(code, definition.word(1)).ok_or_else(separate)?)
+            VariableKind::Sampled(image_kind(code, definition.word(1)).ok_or_else(separate)?)
         }
         // Operand 6 of an image's type is 2 for a storage image.
-        Some((op::TYPE_IMAGE, definition)) => match (image(code, element), definition.word(6)) {
+        Some((op::TYPE_IMAGE, definition)) => match (image_kind(code, element), definition.word(6)) {
             (Some(kind), 2) => VariableKind::Stored(kind),
             // A buffer of texels has no sampler.
             (Some(kind), _) if kind.dim == Dim::Buffer => VariableKind::Sampled(kind),
@@ -308,7 +311,7 @@ fn resource(
 }
 
 /// Returns the kind of image that the type `id` is; `None` for another type, and for texels that are no 32-bit numbers.
-fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
+fn image_kind(code: &SpirvCode, id: u32) -> Option<ImageKind> {
     let definition = code.definition(id).filter(|d| d.opcode == op::TYPE_IMAGE)?;
     let dim = match definition.word(2) {
         0 => Dim::One,
@@ -319,7 +322,7 @@ fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
         5 => Dim::Buffer,
         _ => return None,
     };
-    let (component, _) = code.numbers(definition.word(1))?;
+    let (component, _) = code.number_type(definition.word(1))?;
     // Operands 3 to 5 of an image's type are flags, and operand 7 is its format.
     let [shadow, arrayed, multisampled] = [3, 4, 5].map(|operand| definition.word(operand) == 1);
     Some(ImageKind { dim, arrayed, multisampled, shadow, component, format: definition.word(7) })
@@ -330,7 +333,7 @@ fn stage_variable(code: &SpirvCode, id: u32, pointee: u32) -> Option<StageVariab
     if code.decoration(id, decoration::BUILT_IN).is_some() || code.has_built_in_members(pointee) {
         return None;
     }
-    let numbers = code.numbers(pointee);
+    let numbers = code.number_type(pointee);
     Some(StageVariable {
         name: code.name(id).to_owned(),
         location: code.decoration(id, decoration::LOCATION).unwrap_or(0),
@@ -340,13 +343,14 @@ fn stage_variable(code: &SpirvCode, id: u32, pointee: u32) -> Option<StageVariab
 }
 
 /// Reads the specialization constants, sorted by id.
-fn constants(code: &SpirvCode) -> Vec<Constant> {
+fn specialization_constants(code: &SpirvCode) -> Vec<Constant> {
     let mut found = Vec::new();
-    for definition in
-        [op::SPEC_CONSTANT, op::SPEC_CONSTANT_TRUE, op::SPEC_CONSTANT_FALSE].into_iter().flat_map(|o| code.all(o))
+    for definition in [op::SPEC_CONSTANT, op::SPEC_CONSTANT_TRUE, op::SPEC_CONSTANT_FALSE]
+        .into_iter()
+        .flat_map(|o| code.with_opcode(o))
     {
         let Some(id) = code.decoration(definition.word(1), decoration::SPEC_ID) else { continue };
-        let ty = match code.numbers(definition.word(0)) {
+        let ty = match code.number_type(definition.word(0)) {
             _ if definition.opcode != op::SPEC_CONSTANT => "bool",
             Some((Component::Float, _)) => "f32",
             Some((Component::Int, _)) => "i32",

@@ -27,7 +27,7 @@ pub struct CompiledPass {
     /// The interface of the code.
     pub interface: ShaderInterface,
     /// Names of uniforms with their initial values; `None` for a value that does not consist of numbers alone.
-    pub own: Vec<(String, Option<Vec<f64>>)>,
+    pub initial_values: Vec<(String, Option<Vec<f64>>)>,
     /// The files that the shader was made of, and paths at which new files would change it.
     pub files: Vec<PathBuf>,
 }
@@ -36,7 +36,7 @@ pub struct CompiledPass {
 struct CompiledCode {
     /// The words of the SPIR-V module.
     words: Vec<u32>,
-    own: Vec<(String, Option<Vec<f64>>)>,
+    initial_values: Vec<(String, Option<Vec<f64>>)>,
     files: Vec<PathBuf>,
 }
 
@@ -49,20 +49,20 @@ pub fn compile(manifest: &Manifest, pass: &Pass) -> Result<CompiledPass> {
     let (path, method) = (&pass.shader, &manifest.name);
     includes::check_shader(path, &manifest.folder)?;
     let is_binary = path.extension().is_some_and(|e| e == "spv");
-    let compiled = if is_binary { binary(path)? } else { glsl(manifest, pass)? };
+    let compiled = if is_binary { read_spirv(path)? } else { compile_glsl(manifest, pass)? };
     let interface = reflect(&compiled.words, pass.stage == PassStage::Fragment)
         .map_err(|message| Error::malformed(path, None, message))?;
     let spirv: Vec<u8> = interface.words.iter().flat_map(|w| w.to_le_bytes()).collect();
     // The digest distinguishes the code from all other code whose pipelines a device keeps.
     let digest = Sha256::digest(&spirv).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>();
     let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let shader = loose::shader(format!("{method}/{file}#{digest}"), spirv, &bound(&interface))
+    let shader = loose::make_shader(format!("{method}/{file}#{digest}"), spirv, &pipeline_interface(&interface))
         .map_err(|e| Error::malformed(path, None, e.to_string()))?;
-    Ok(CompiledPass { shader, interface, own: compiled.own, files: compiled.files })
+    Ok(CompiledPass { shader, interface, initial_values: compiled.initial_values, files: compiled.files })
 }
 
 /// Returns the part of an interface that a pipeline needs.
-fn bound(interface: &ShaderInterface) -> Interface {
+fn pipeline_interface(interface: &ShaderInterface) -> Interface {
     let bindings = interface.variables.iter().map(|v| StageBinding {
         binding: v.binding,
         name: v.name.clone(),
@@ -92,7 +92,7 @@ fn bound(interface: &ShaderInterface) -> Interface {
 }
 
 /// Reads a file of SPIR-V, which needs no compiler.
-fn binary(path: &Path) -> Result<CompiledCode> {
+fn read_spirv(path: &Path) -> Result<CompiledCode> {
     let bytes = bounded::read(path, "a shader", MAX_BYTES)?;
     let is_code =
         bytes.len() >= 20 && bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203_u32.to_le_bytes());
@@ -100,7 +100,7 @@ fn binary(path: &Path) -> Result<CompiledCode> {
         return Err(Error::malformed(path, None, "is not SPIR-V"));
     }
     let words = bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-    Ok(CompiledCode { words, own: Vec::new(), files: vec![path.to_path_buf()] })
+    Ok(CompiledCode { words, initial_values: Vec::new(), files: vec![path.to_path_buf()] })
 }
 
 /// The one compiler of the process. It is never dropped: without any compiler, GLSL's built-in functions are forgotten,
@@ -111,7 +111,7 @@ static COMPILER: LazyLock<std::result::Result<Compiler, shaderc::Error>> = LazyL
 /// Compiles GLSL in two steps. The compiler's preprocessor removes comments, macros, includes and lines that are
 /// switched off, so that loose uniforms can be recognised by their tokens. Then the text with these uniforms in blocks
 /// is compiled.
-fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
+fn compile_glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     let path = &pass.shader;
     let source = match built_in::text(path) {
         Some(text) => text.to_owned(),
@@ -125,7 +125,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
         return Err(wrong("a shader's text and its defines must not hold a NUL character".to_owned()));
     }
     let compiler = COMPILER.as_ref().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
-    let included = RefCell::new(Includes::new(&manifest.folder, &manifest.include, path));
+    let includes = RefCell::new(Includes::new(&manifest.folder, &manifest.include, path));
     let mut options = CompileOptions::new().map_err(|e| wrong(e.to_string()))?;
     options.set_target_env(TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
     options.set_optimization_level(OptimizationLevel::Zero);
@@ -137,7 +137,7 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
         options.add_macro_definition(name, value);
     }
     options.set_include_callback(|name, _, includer, _| {
-        let (resolved_name, content) = included.borrow_mut().read(name, includer)?;
+        let (resolved_name, content) = includes.borrow_mut().read(name, includer)?;
         if has_nul(&content) {
             return Err(format!("{resolved_name}: a shader's text must not hold a NUL character"));
         }
@@ -149,18 +149,22 @@ fn glsl(manifest: &Manifest, pass: &Pass) -> Result<CompiledCode> {
     };
     let label = path.to_string_lossy();
     let failed =
-        |e: shaderc::Error| match (first_compiler_error(path, &e.to_string()), included.borrow_mut().refused.take()) {
+        |e: shaderc::Error| match (first_compiler_error(path, &e.to_string()), includes.borrow_mut().refused.take()) {
             // If an include was refused, the message is only the reason, without the compiler's words around it.
             (Error::Malformed { path, line, .. }, Some(message)) => Error::Malformed { path, line, message },
             (error, _) => error,
         };
-    let plain = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(failed)?.as_text();
-    let HoistedUniforms { text, own } = loose_uniforms::hoisted(&plain);
+    let preprocessed = compiler.preprocess(&source, &label, "main", Some(&options)).map_err(failed)?.as_text();
+    let HoistedUniforms { text, initial_values } = loose_uniforms::hoist(&preprocessed);
     let artifact = compiler.compile_into_spirv(&text, kind, &label, "main", Some(&options)).map_err(failed)?;
     let words = artifact.as_binary().to_vec();
     drop(options);
     let awaited = pass.awaited.iter().cloned();
-    Ok(CompiledCode { words, own, files: included.into_inner().watched().into_iter().chain(awaited).collect() })
+    Ok(CompiledCode {
+        words,
+        initial_values,
+        files: includes.into_inner().watched().into_iter().chain(awaited).collect(),
+    })
 }
 
 /// Makes an error of the first message in the compiler's output `text`, with the file and line that the message is
@@ -180,8 +184,8 @@ fn first_compiler_error(path: &Path, text: &str) -> Error {
             Some(line) => line.contains(&format!("{name}(")) || line.contains(&format!("{name} (")),
             None => message.contains(&format!("'{name}'")),
         };
-        let old = old_glsl::NAMES.iter().find(|(name, _)| is_named(name));
-        let message = match old {
+        let old_name = old_glsl::NAMES.iter().find(|(name, _)| is_named(name));
+        let message = match old_name {
             Some((name, instead)) => format!("{name} is old GLSL; {instead}"),
             None => message.trim().to_owned(),
         };

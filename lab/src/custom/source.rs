@@ -98,7 +98,7 @@ const ENCODINGS: [(&str, NormalEncoding); 4] = [
 
 impl Depth {
     /// Returns the kind of depth with a name in a manifest.
-    fn named(name: &str) -> Option<Self> {
+    fn from_name(name: &str) -> Option<Self> {
         [("reversed", Self::Reversed), ("standard", Self::Standard), ("linear", Self::Linear)]
             .into_iter()
             .find(|(known, _)| *known == name)
@@ -107,11 +107,11 @@ impl Depth {
 }
 
 impl ImageSource {
-    /// Reads a source by its name in a manifest; `own` says whether the method has an image of this name.
+    /// Reads a source by its name in a manifest; `is_own` says whether the method has an image of this name.
     ///
     /// # Errors
     /// A clause that says what is wrong with the name.
-    pub fn parse(text: &str, own: impl Fn(&str) -> bool + Copy) -> Result<Self, String> {
+    pub fn parse(text: &str, is_own: impl Fn(&str) -> bool + Copy) -> Result<Self, String> {
         let words: Vec<&str> = text.split(':').collect();
         let unknown = || {
             format!(
@@ -122,17 +122,17 @@ impl ImageSource {
         };
         Ok(match words[..] {
             ["previous", ref rest @ ..] if !rest.is_empty() => {
-                let original = Self::parse(&rest.join(":"), own)?;
+                let original = Self::parse(&rest.join(":"), is_own)?;
                 if !original.can_be_kept() {
                     return Err(format!("what {original} was in the frame before is not kept"));
                 }
                 Self::Previous(Box::new(original))
             }
-            [name] if own(name) => Self::Own(name.to_owned()),
+            [name] if is_own(name) => Self::Own(name.to_owned()),
             ["lit-colour"] => Self::LitColour,
             ["lit-colour-chain"] => Self::LitColourChain { gaussian: false },
             ["lit-colour-chain", "gaussian"] => Self::LitColourChain { gaussian: true },
-            ["depth", which] => Self::Depth(Depth::named(which).ok_or_else(unknown)?),
+            ["depth", which] => Self::Depth(Depth::from_name(which).ok_or_else(unknown)?),
             ["normal", space @ ("view" | "world"), ref rest @ ..] if rest.len() < 2 => {
                 let name = rest.first().copied().unwrap_or("float");
                 let (_, encoding) = *ENCODINGS.iter().find(|(known, _)| *known == name).ok_or_else(unknown)?;
@@ -141,7 +141,7 @@ impl ImageSource {
             ["position", space @ ("view" | "world")] => Self::Position { world: space == "world" },
             ["material"] => Self::Material,
             ["hi-z", which @ ("min" | "max"), depth, ref rest @ ..] if matches!(rest, [] | ["padded"]) => {
-                let depth = Depth::named(depth).ok_or_else(unknown)?;
+                let depth = Depth::from_name(depth).ok_or_else(unknown)?;
                 Self::DepthChain(DepthChain { maximum: which == "max", depth, padded: !rest.is_empty() })
             }
             ["thesis-hi-z"] => Self::ThesisHiZ,

@@ -140,7 +140,7 @@ pub struct FrameState<'a> {
 #[derive(Debug, Clone)]
 pub struct FilledField {
     field: BlockField,
-    given: Feed,
+    feed: Feed,
 }
 
 impl FilledField {
@@ -148,8 +148,8 @@ impl FilledField {
     ///
     /// # Errors
     /// A clause that says that the field's numbers do not fit the value.
-    pub fn new(field: &BlockField, given: Feed) -> Result<Self, String> {
-        let filled = Self { field: field.clone(), given };
+    pub fn new(field: &BlockField, feed: Feed) -> Result<Self, String> {
+        let filled = Self { field: field.clone(), feed };
         filled.check()?;
         Ok(filled)
     }
@@ -158,7 +158,7 @@ impl FilledField {
     fn check(&self) -> Result<(), String> {
         let [elements, columns, rows] = self.field.shape;
         let numbers = self.field.places.len();
-        let fits = match &self.given {
+        let fits = match &self.feed {
             Feed::Numbers(all) => all.len() == numbers,
             Feed::Parameter(_) => numbers == 1,
             Feed::Named(name) => match *name {
@@ -177,8 +177,8 @@ impl FilledField {
 
     /// Writes the field's numbers into `bytes`, the bytes of its block.
     pub fn write(&self, bytes: &mut [u8], state: &FrameState) {
-        let mut numbers = self.given.numbers(state, self.field.places.len());
-        if let (Feed::Named(name), [_, columns, rows]) = (&self.given, self.field.shape)
+        let mut numbers = self.feed.numbers(state, self.field.places.len());
+        if let (Feed::Named(name), [_, columns, rows]) = (&self.feed, self.field.shape)
             && is_matrix(name)
         {
             // A smaller matrix takes the first rows and columns of the matrix of four rows and columns.
@@ -231,8 +231,8 @@ impl Feed {
                 "fov-y" => vec![state.camera.lens.fov_y_radians().unwrap_or_default().into()],
                 "aspect" => vec![width / height],
                 "half-view" => {
-                    let projection = self::scale(state.camera);
-                    vec![1.0 / projection[0], 1.0 / projection[1]]
+                    let [x, y] = projection_factors(state.camera);
+                    vec![1.0 / x, 1.0 / y]
                 }
                 "frame" => vec![f64::from(state.frame)],
                 "is-first-frame" => flag(state.is_first),
@@ -242,7 +242,7 @@ impl Feed {
                 "hits" => flag(state.hits),
                 "capture-count" => vec![state.captures.len() as f64],
                 "capture-places" => {
-                    let place = |p: &Vec3| state.world(p.as_dvec3()).extend(0.0).to_array();
+                    let place = |p: &Vec3| state.to_shader_world(p.as_dvec3()).extend(0.0).to_array();
                     state.captures.iter().flat_map(place).take(wanted).collect()
                 }
                 matrix => state.matrix(matrix),
@@ -268,19 +268,19 @@ impl FrameState<'_> {
     }
 
     /// Converts a place in this program's world space into the shader's world space.
-    fn world(&self, place: DVec3) -> DVec3 {
-        axes(self.conventions.world).transform_vector3(place)
+    fn to_shader_world(&self, place: DVec3) -> DVec3 {
+        to_axes(self.conventions.world).transform_vector3(place)
     }
 
     /// The place of the camera in the shader's world space.
     fn eye(&self) -> DVec3 {
-        self.world(self.camera.eye().as_dvec3())
+        self.to_shader_world(self.camera.eye().as_dvec3())
     }
 
     /// The matrix from world to view space of a camera, in the shader's spaces.
     fn world_to_view(&self, camera: &Camera) -> DMat4 {
         // The inverse of a matrix of axes is its transpose.
-        axes(self.conventions.view) * camera.world_to_view.as_dmat4() * axes(self.conventions.world).transpose()
+        to_axes(self.conventions.view) * camera.world_to_view.as_dmat4() * to_axes(self.conventions.world).transpose()
     }
 
     /// The matrix from view to clip space of a camera, in the shader's spaces.
@@ -301,7 +301,7 @@ impl FrameState<'_> {
                 stretched * camera.view_to_clip().as_dmat4()
             }
         };
-        let to_clip = to_clip * axes(self.conventions.view).transpose();
+        let to_clip = to_clip * to_axes(self.conventions.view).transpose();
         match self.conventions.clip_y {
             ClipY::Up => to_clip,
             ClipY::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * to_clip,
@@ -337,13 +337,13 @@ impl FrameState<'_> {
 
 /// Returns the factors of a camera's projection on x and on y, M_00 and M_11. In a perspective, they are one over the
 /// tangents of half the horizontal and half the vertical angle of view.
-fn scale(camera: &Camera) -> [f64; 2] {
+fn projection_factors(camera: &Camera) -> [f64; 2] {
     let projection = camera.view_to_clip().as_dmat4();
     [projection.x_axis.x, projection.y_axis.y]
 }
 
 /// Returns the matrix from this program's axes, which are left-handed with y up, to the axes `to`.
-pub fn axes(to: Axes) -> DMat4 {
+pub fn to_axes(to: Axes) -> DMat4 {
     DMat4::from_mat3(to.to_ours().transpose())
 }
 

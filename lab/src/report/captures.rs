@@ -35,7 +35,7 @@ pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
     let record = |(index, (capture, seen)): (usize, (&ssct_scenes::Capture, &f32))| CaptureRecord {
         kind: "capture",
         scene: scene.to_owned(),
-        from: if index < placement.own { "file" } else { "placement" },
+        from: if index < placement.from_file { "file" } else { "placement" },
         place: capture.position.to_array(),
         near_m: capture.near_m,
         resolution: capture.resolution,
@@ -61,24 +61,24 @@ pub fn text(records: &[CaptureRecord]) -> String {
     tables::aligned(&rows)
 }
 
-/// The longer side of a map's drawing, in pixels, and the empty border around it.
-const MAP: [f32; 2] = [800.0, 24.0];
+/// The longer side of a map's drawing in pixels, without the border.
+const MAP_SIDE: f32 = 800.0;
+/// The width in pixels of the empty border around a map.
+const MAP_BORDER: f32 = 24.0;
 
 /// Draws a map as SVG: the places where people can stand, seen from above and coloured by the height of their floor,
 /// and the captures with their numbers. x runs to the right, z up.
 pub fn map(placement: &Placement) -> String {
-    let stands = || placement.stands.iter().copied();
-    let all = || stands().chain(placement.captures.iter().map(|c| c.position));
-    let (min, max) = all().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    let places = placement.stands.iter().copied().chain(placement.captures.iter().map(|c| c.position));
+    let (min, max) = places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
     let extent = (max - min).max(Vec3::splat(1e-3));
-    let [side, border] = MAP;
-    let scale = side / extent.xz().max_element();
-    let point = |p: Vec3| Vec2::new(border + scale * (p.x - min.x), border + scale * (max.z - p.z));
-    let mut svg = Svg::new(scale * extent.xz() + 2.0 * border);
-    for stand in stands() {
+    let scale = MAP_SIDE / extent.xz().max_element();
+    let point = |p: Vec3| Vec2::new(MAP_BORDER + scale * (p.x - min.x), MAP_BORDER + scale * (max.z - p.z));
+    let mut svg = Svg::new(scale * extent.xz() + 2.0 * MAP_BORDER);
+    for stand in &placement.stands {
         // Floors half a metre apart have different colours.
         let color = COLORS[(2.0 * (stand.y - min.y)).round() as usize % COLORS.len()];
-        svg.circle(point(stand), Vec2::splat(2.0), &format!("fill=\"{color}\" fill-opacity=\"0.5\""));
+        svg.circle(point(*stand), Vec2::splat(2.0), &format!("fill=\"{color}\" fill-opacity=\"0.5\""));
     }
     for (index, capture) in placement.captures.iter().enumerate() {
         let centre = point(capture.position);
@@ -140,15 +140,15 @@ impl CubePictures {
         [0, 1].map(|kind| {
             let side = self.faces.first().map_or(1, |(_, pictures)| pictures[kind].width);
             let [width, height] = CROSS.map(|n| n * side);
-            let mut made = Rgb { width, height, bytes: vec![EMPTY; 3 * (width * height) as usize] };
+            let mut cross = Rgb { width, height, bytes: vec![EMPTY; 3 * (width * height) as usize] };
             for (face, pictures) in &self.faces {
                 let [left, top] = FACES_IN_CROSS[*face].map(|n| n * side);
                 for (y, row) in pictures[kind].bytes.chunks_exact(3 * side as usize).enumerate() {
                     let start = 3 * ((top as usize + y) * width as usize + left as usize);
-                    made.bytes[start..start + row.len()].copy_from_slice(row);
+                    cross.bytes[start..start + row.len()].copy_from_slice(row);
                 }
             }
-            made
+            cross
         })
     }
 }
@@ -207,7 +207,7 @@ mod tests {
         let capture = |x: f32| Capture::placed_at(Vec3::new(x, 1.5, 2.0));
         Placement {
             captures: vec![capture(1.0), capture(-3.0)],
-            own: 1,
+            from_file: 1,
             seen: vec![0.5, 0.75],
             stands: vec![Vec3::new(0.0, 1.5, 0.0), Vec3::new(4.0, 5.5, 1.0)],
         }

@@ -19,19 +19,19 @@ pub fn write(folder: &PathInFolder, json: &str, text: &str) -> Result<()> {
 
 /// Writes a comparison of times as compare.json and compare.txt.
 pub fn write_times(folder: &PathInFolder, records: &[TimeComparison], all: bool) -> Result<()> {
-    write(folder, &files::json(records), &times(records, all))
+    write(folder, &files::json(records), &times_text(records, all))
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
 /// or more, sRGB-encoded; magenta is NaN) with its scale as error-scale.svg, and FLIP's map as flip.png.
 pub fn write_images(folder: &PathInFolder, found: &ImageComparison) -> Result<()> {
-    write(folder, &files::json(std::slice::from_ref(found)), &images(found))?;
+    write(folder, &files::json(std::slice::from_ref(found)), &images_text(found))?;
     let (width, height) = (found.width, found.height);
     let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
     write_exr(folder.join("error.exr"), &map, &["rmse"])?;
     let shade = |c: &[f32]| if c[0].is_nan() { [255, 0, 255] } else { [display_byte(c[0]); 3] };
     Rgb::from_pixels(&map, shade).write_png(folder.join("error.png"))?;
-    let greatest = (found.greatest, &*number(f64::from(found.greatest)));
+    let greatest = (found.greatest, &*difference_text(f64::from(found.greatest)));
     let scale = scale("error.png", "root mean square error of a pixel, linear", greatest);
     folder.join("error-scale.svg").write(scale.as_bytes())?;
     Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
@@ -39,7 +39,7 @@ pub fn write_images(folder: &PathInFolder, found: &ImageComparison) -> Result<()
 
 /// The text of a comparison: both runs, the rules, a row for each pass and total that both runs have, the passes of one run alone, and how
 /// many totals got each verdict. With `all`, the parts of groups have rows, too.
-pub fn times(records: &[TimeComparison], all: bool) -> String {
+pub fn times_text(records: &[TimeComparison], all: bool) -> String {
     let Some(first) = records.first() else { return String::new() };
     let mut text = sides(first);
     if let Some(warning) = &first.warning {
@@ -57,7 +57,7 @@ pub fn times(records: &[TimeComparison], all: bool) -> String {
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }
-    text.extend(compare::own_note(records).map(|note| format!("\n{note}\n")));
+    text.extend(compare::note_on_own(records).map(|note| format!("\n{note}\n")));
     text += &only_in_one(records, all);
     let totals = |v: Verdict| both().filter(|r| r.pass == TOTAL && r.verdict == Some(v)).count();
     let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", totals(*v), v.name())).collect();
@@ -76,9 +76,9 @@ fn sides(first: &TimeComparison) -> String {
 
 /// Returns the text that says how the intervals were found, and what the verdicts mean.
 fn interval_method_text(first: &TimeComparison) -> String {
-    let how = &first.judgement;
-    let (share, resamples, seed) = (how.confidence * 100.0, how.resamples, how.seed);
-    let found = if first.paired {
+    let rules = &first.judgement;
+    let (share, resamples, seed) = (rules.confidence * 100.0, rules.resamples, rules.seed);
+    let intervals = if first.paired {
         format!(
             "A and B were timed in turn: the medians over the turns of B over A, with the {share} % interval of {resamples} \
              bootstrap resamples of the turns, seed {seed}."
@@ -89,9 +89,9 @@ fn interval_method_text(first: &TimeComparison) -> String {
              The interval knows the spread within each side, not what changed on the machine between them."
         )
     };
-    let bound = percent(how.threshold);
+    let bound = percent(rules.threshold);
     format!(
-        "{found}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
+        "{intervals}\nSAME: the interval lies within ±{bound} %. FASTER, SLOWER: it lies beyond ±{bound} %, and beyond the noise floor \
          where one was measured.\nUNDECIDED: neither; about as many samples as stand behind it may decide.\nn: samples of A and of B.\n\n"
     )
 }
@@ -121,7 +121,7 @@ fn percent(share: f64) -> f64 {
 
 /// Returns the text of a difference, with six digits behind the point. A difference of 0 is called identical, and one
 /// below 0.000001 is written with an exponent.
-fn number(value: f64) -> String {
+fn difference_text(value: f64) -> String {
     match value {
         0.0 => "identical".to_owned(),
         v if v.abs() < 1e-6 => format!("{v:.1e}"),
@@ -130,13 +130,13 @@ fn number(value: f64) -> String {
 }
 
 /// Returns the figures of a comparison of two images as text.
-pub fn images(found: &ImageComparison) -> String {
+pub fn images_text(found: &ImageComparison) -> String {
     let [x, y] = found.greatest_at;
     let mut rows = vec![
-        ["RMSE, linear".to_owned(), number(found.rmse)],
-        ["greatest RMSE of a pixel".to_owned(), number(f64::from(found.greatest))],
-        ["relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), number)],
-        ["FLIP mean, display".to_owned(), number(found.flip)],
+        ["RMSE, linear".to_owned(), difference_text(found.rmse)],
+        ["greatest RMSE of a pixel".to_owned(), difference_text(f64::from(found.greatest))],
+        ["relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), difference_text)],
+        ["FLIP mean, display".to_owned(), difference_text(found.flip)],
     ];
     if found.greatest > 0.0 {
         rows.insert(2, ["where that pixel is".to_owned(), format!("{x}, {y}")]);

@@ -11,7 +11,7 @@ const PICTURES: [&str; 4] = ["png", "exr", "webp", "svg"];
 
 /// Elements of the drawings that this program makes. Any other element, such as a script, is refused, since it could do
 /// more than show something.
-const DRAWN: [&str; 14] = [
+const DRAWING_ELEMENTS: [&str; 14] = [
     "svg", "g", "path", "line", "polyline", "polygon", "rect", "circle", "ellipse", "text", "tspan", "title", "desc",
     "defs",
 ];
@@ -31,11 +31,7 @@ pub fn check_name(name: &str) -> std::result::Result<(), String> {
 }
 
 /// Checks the files of a folder that [`copy_files`] would copy, before anything is written.
-///
-/// # Errors
-/// [`Malformed`](ssct_ground::Error::Malformed) for a file that may not be copied, [`Io`](ssct_ground::Error::Io) for a folder that
-/// cannot be read.
-pub fn check(folder: &PathInFolder) -> Result<()> {
+pub fn check_files(folder: &PathInFolder) -> Result<()> {
     for listed in folder.list()? {
         let place = folder.join(&listed.name);
         check_name(&listed.name).map_err(|why| Error::malformed(place.path(), None, why))?;
@@ -76,7 +72,7 @@ fn check_drawing(svg: &[u8], place: &PathInFolder) -> Result<()> {
         }
         let end = tag.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(tag.len());
         let name = &tag[..end];
-        if !DRAWN.contains(&name) {
+        if !DRAWING_ELEMENTS.contains(&name) {
             return wrong(format!("it has the element {name:?}"));
         }
         let mut names = attributes(&tag[end..]).split('=').filter_map(|part| part.split_whitespace().next_back());
@@ -102,38 +98,35 @@ fn attributes(tag: &str) -> &str {
     &tag[..end.unwrap_or(tag.len())]
 }
 
-/// Copies the files of some folders into one. Of several files of one name, the first is copied; with `same`, they must
-/// all be equal.
-///
-/// # Errors
-/// Errors of [`check`] and of [`copy_file`].
-pub fn copy_files(from: &[PathInFolder], to: &PathInFolder, same: bool) -> Result<()> {
+/// Copies the files of some folders into one: the first of several files of one name. If `must_be_equal` is true, unequal
+/// files of one name are refused.
+pub fn copy_files(from: &[PathInFolder], to: &PathInFolder, must_be_equal: bool) -> Result<()> {
     let mut all: BTreeMap<String, Vec<PathInFolder>> = BTreeMap::new();
     for folder in from {
-        check(folder)?;
+        check_files(folder)?;
         for listed in folder.list()? {
             all.entry(listed.name.clone()).or_default().push(folder.join(&listed.name));
         }
     }
-    all.iter().try_for_each(|(name, places)| copy_file(places, &to.join(name), same))
+    all.iter().try_for_each(|(name, places)| copy_file(places, &to.join(name), must_be_equal))
 }
 
-/// Copies the first of some files that exists. With `same`, all that exist must be equal.
+/// Copies the first of some files that exists. If `must_be_equal` is true, all that exist must be equal.
 ///
 /// # Errors
 /// The errors of [`check_file`] and of writing, and [`Malformed`](ssct_ground::Error::Malformed) for files that are not equal.
-pub fn copy_file(from: &[PathInFolder], to: &PathInFolder, same: bool) -> Result<()> {
+pub fn copy_file(from: &[PathInFolder], to: &PathInFolder, must_be_equal: bool) -> Result<()> {
     let mut first: Option<(&PathInFolder, Vec<u8>)> = None;
     for place in from {
         match (&first, read_checked(place)?) {
             (None, Some(bytes)) => first = Some((place, bytes)),
-            (Some((known, bytes)), Some(other)) if same && *bytes != other => {
+            (Some((known, bytes)), Some(other)) if must_be_equal && *bytes != other => {
                 let message = format!("is not the same as {}", known.path().display());
                 return Err(Error::malformed(place.path(), None, message));
             }
             _ => {}
         }
-        if first.is_some() && !same {
+        if first.is_some() && !must_be_equal {
             break;
         }
     }

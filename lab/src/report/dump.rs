@@ -34,9 +34,6 @@ pub struct Dump<'a> {
 
 impl Dump<'_> {
     /// Writes every image as PNG and EXR, with legends beside the pictures whose colours mean something.
-    ///
-    /// # Errors
-    /// Errors of writing.
     pub fn write(&self, folder: &PathInFolder) -> Result<()> {
         for (stem, content, pixels) in self.intermediates {
             picture(*content, pixels, self.lens).write_png(folder.join(format!("{stem}.png")))?;

@@ -62,24 +62,22 @@ impl Figure {
 const SSLR_LEVELS: usize = 5;
 
 /// Draws a figure.
-///
-/// # Errors
-/// [`Usage`](ssct::Error::Usage) if the method does not make the images that the figure shows.
-pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
+pub fn draw(figure: Figure, images: &Intermediates, lens: &Lens) -> Result<Rgb> {
     match figure {
-        Figure::VisibilityChain => chain(all, "visibility", 1..usize::MAX, lens),
-        Figure::RaySplit => ray_split(all),
-        Figure::RayTraceColorChain => chain(all, "ray-trace-color", 0..SSLR_LEVELS, lens),
-        Figure::MaskChain => chain(all, "mask", 0..SSLR_LEVELS, lens),
+        Figure::VisibilityChain => chain(images, "visibility", 1..usize::MAX, lens),
+        Figure::RaySplit => ray_split(images),
+        Figure::RayTraceColorChain => chain(images, "ray-trace-color", 0..SSLR_LEVELS, lens),
+        Figure::MaskChain => chain(images, "mask", 0..SSLR_LEVELS, lens),
         Figure::PosterMip | Figure::PosterGaussian | Figure::PosterFade => {
-            Ok(display(find(all, Content::Color, "composite")?))
+            Ok(display(find_image(images, Content::Color, "composite")?))
         }
     }
 }
 
 /// Returns the pixels of the intermediate image with a stem and a content.
-fn find<'a>(all: &'a Intermediates, wanted: Content, stem: &str) -> Result<&'a Pixels> {
-    all.iter()
+fn find_image<'a>(images: &'a Intermediates, wanted: Content, stem: &str) -> Result<&'a Pixels> {
+    images
+        .iter()
         .find(|(name, content, _)| name == stem && *content == wanted)
         .map(|(.., pixels)| pixels)
         .ok_or_else(|| Error::usage(format!("this method has no {stem} to make the figure of")))
@@ -87,9 +85,9 @@ fn find<'a>(all: &'a Intermediates, wanted: Content, stem: &str) -> Result<&'a P
 
 /// Draws the levels `wanted` of the chain `name`, arranged as in the thesis: the first at the left, the smaller ones
 /// stacked at its right. The levels' images have the stems `name-0`, `name-1` and so on.
-fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> Result<Rgb> {
+fn chain(images: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> Result<Rgb> {
     let level_of = |stem: &str| stem.strip_prefix(name)?.strip_prefix('-')?.parse().ok();
-    let levels: Vec<Rgb> = all
+    let levels: Vec<Rgb> = images
         .iter()
         .filter(|(stem, ..)| level_of(stem).is_some_and(|level: usize| wanted.contains(&level)))
         .map(|(_, content, pixels)| picture(*content, pixels, lens))
@@ -113,9 +111,11 @@ fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> 
 
 /// Draws the lit scene, in which each pixel whose path code is not black in [`paths`] is mixed half and half with the
 /// colour of the code.
-fn ray_split(all: &Intermediates) -> Result<Rgb> {
-    let lit = display(find(all, Content::Color, "color-0").or_else(|_| find(all, Content::Color, "color"))?);
-    let split = paths(find(all, Content::Hits, "hits")?);
+fn ray_split(images: &Intermediates) -> Result<Rgb> {
+    let lit = display(
+        find_image(images, Content::Color, "color-0").or_else(|_| find_image(images, Content::Color, "color"))?,
+    );
+    let split = paths(find_image(images, Content::Hits, "hits")?);
     // For each byte of the picture, whether the path code of its pixel has a colour.
     let has_code = split.bytes.chunks_exact(3).flat_map(|p| [p.iter().any(|v| *v > 0); 3]);
     let mix = |lit: u8, code: u8| (u16::from(lit) / 2 + u16::from(code) / 2) as u8;

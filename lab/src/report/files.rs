@@ -36,9 +36,6 @@ pub fn csv(cells: &[Vec<String>]) -> String {
 }
 
 /// Reads the records of a study from the JSON array that it wrote.
-///
-/// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds other records.
 pub fn read_records<R: DeserializeOwned>(file: &PathInFolder) -> Result<Vec<R>> {
     serde_json::from_slice(&file.bytes()?)
         .map_err(|e| Error::malformed(file.path(), None, format!("holds other records: {e}")))
@@ -60,16 +57,16 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
         let line = |p: Option<&csv::Position>| p.and_then(|p| usize::try_from(p.line()).ok());
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
-        let row_subject = subject(&headers, &record, &parameters);
+        let subject = row_subject(&headers, &record, &parameters);
         // A run has few subjects, and rows of one subject follow each other. Such rows share one value, to save memory.
-        let last_subject = rows.last().map(|row: &TimeSample| &row.subject).filter(|last| ***last == row_subject);
+        let last_subject = rows.last().map(|row: &TimeSample| &row.subject).filter(|last| ***last == subject);
         let row = TimeSample {
-            subject: last_subject.cloned().unwrap_or_else(|| Arc::new(row_subject)),
-            sample: parsed(&headers, &record, "sample").map_err(wrong)?,
-            pass: parsed(&headers, &record, "pass").map_err(wrong)?,
-            counted: parsed(&headers, &record, "counted").map_err(wrong)?,
-            ms: parsed(&headers, &record, "ms").map_err(wrong)?,
-            floors: FLOORS.map(|column| parsed(&headers, &record, column).ok()),
+            subject: last_subject.cloned().unwrap_or_else(|| Arc::new(subject)),
+            sample: parse_cell(&headers, &record, "sample").map_err(wrong)?,
+            pass: parse_cell(&headers, &record, "pass").map_err(wrong)?,
+            counted: parse_cell(&headers, &record, "counted").map_err(wrong)?,
+            ms: parse_cell(&headers, &record, "ms").map_err(wrong)?,
+            floors: FLOORS.map(|column| parse_cell(&headers, &record, column).ok()),
         };
         if !(row.ms.is_finite() && row.ms >= 0.0) {
             return Err(wrong(format!("{} ms is no time", row.ms)));
@@ -86,7 +83,7 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
 }
 
 /// Parses the cell of a row in the column with the name `column`. The error says what is wrong with the cell.
-fn parsed<T: FromStr>(
+fn parse_cell<T: FromStr>(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
     column: &str,
@@ -99,7 +96,7 @@ fn parsed<T: FromStr>(
 
 /// Returns the subject of a row: all its columns that are not measured. Parameters that the row's method does not have
 /// are left out, since older files have a value for them, too.
-fn subject(
+fn row_subject(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
     parameters: &[(Parameter, Vec<&MethodInfo>)],
@@ -117,16 +114,12 @@ fn subject(
     let is_known = methods::find(method).is_ok();
     let columns =
         headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!is_known || concerns_method(name)));
-    // All files get the same text for a number, since an older file has 1 where a newer one has 1.0.
-    let plain = |text: &str| text.parse::<f64>().map_or_else(|_| text.to_owned(), |n| n.to_string());
-    Subject(columns.map(|(name, text)| (name.to_owned(), plain(text))).collect())
+    // A number gets one text, since an older file has 1 where a newer one has 1.0.
+    let normalized = |text: &str| text.parse::<f64>().map_or_else(|_| text.to_owned(), |n| n.to_string());
+    Subject(columns.map(|(name, text)| (name.to_owned(), normalized(text))).collect())
 }
 
 /// Reads the device of a time.json from its first record; `None` if there is no such file.
-///
-/// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file exists and can't be read, [`Malformed`](ssct_ground::Error::Malformed) if it holds no
-/// record with a device.
 pub fn read_device(file: &PathInFolder) -> Result<Option<DeviceInfo>> {
     let Some(text) = file.read()? else { return Ok(None) };
     let path = &file.path();

@@ -1,7 +1,7 @@
 //! The G-buffer as Schmidt shows it (2013, figure 27): positions and normals in world and in view space,
 //! albedo, reflectivity, and the lit scene.
 
-use super::images::{Rgb, display};
+use super::images::{Rgb, display, unit_byte};
 use crate::error::{Error, Result};
 use crate::stage::Intermediates;
 use glam::{Mat3, Vec2, Vec3};
@@ -13,25 +13,23 @@ use ssct_scenes::Camera;
 /// normals in world space; both in view space; albedo and reflectivity; the lit scene.
 ///
 /// Positions span their own range in each picture: black is their least x, y and z, white the greatest.
-///
-/// # Errors
-/// [`Usage`](ssct::Error::Usage) if an intermediate is missing.
-pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
+pub fn rows(images: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
     let find = |stem: &str, wanted: Content| {
-        let found = all.iter().find(|(name, content, _)| name == stem && *content == wanted).map(|(.., pixels)| pixels);
+        let found =
+            images.iter().find(|(name, content, _)| name == stem && *content == wanted).map(|(.., pixels)| pixels);
         found.ok_or_else(|| Error::usage(format!("this frame has no {stem} to make the figure of")))
     };
     let (depth, normal) = (find("depth", Content::ReversedDepth)?, find("normal", Content::Normal)?);
     let lit = find("color-0", Content::Color).or_else(|_| find("color", Content::Color))?;
-    let view: Vec<Option<Vec3>> = positions(depth, camera);
+    let in_view: Vec<Option<Vec3>> = positions(depth, camera);
     let to_world = camera.world_to_view.inverse();
-    let world: Vec<Option<Vec3>> = view.iter().map(|p| p.map(|p| to_world.transform_point3(p))).collect();
+    let in_world: Vec<Option<Vec3>> = in_view.iter().map(|p| p.map(|p| to_world.transform_point3(p))).collect();
     let normals_to_world = Mat3::from_mat4(to_world);
     let size = [depth.width, depth.height];
     let reflectivity = reflectivity(find("material", Content::Material)?);
     Ok(vec![
-        vec![ranged(size, &world), normals(normal, normals_to_world)],
-        vec![ranged(size, &view), normals(normal, Mat3::IDENTITY)],
+        vec![position_picture(size, &in_world), normal_picture(normal, normals_to_world)],
+        vec![position_picture(size, &in_view), normal_picture(normal, Mat3::IDENTITY)],
         vec![display(find("albedo", Content::Color)?), reflectivity],
         vec![display(lit)],
     ])
@@ -39,12 +37,7 @@ pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
 
 /// Makes a picture of the reflectivity in a G-buffer's material: black is 0, and white is 1.
 pub fn reflectivity(material: &Pixels) -> Rgb {
-    Rgb::from_pixels(material, |c| [unit(c[0]); 3])
-}
-
-/// A number from 0 to 1 as a byte.
-fn unit(v: f32) -> u8 {
-    (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+    Rgb::from_pixels(material, |c| [unit_byte(c[0]); 3])
 }
 
 /// Returns the view-space position of each pixel, from its reversed depth; `None` for sky.
@@ -60,20 +53,21 @@ fn positions(depth: &Pixels, camera: &Camera) -> Vec<Option<Vec3>> {
 }
 
 /// Makes a picture of positions: black is the least x, y and z of all, white is the greatest, and sky is black.
-fn ranged([width, height]: [u32; 2], positions: &[Option<Vec3>]) -> Rgb {
+fn position_picture([width, height]: [u32; 2], positions: &[Option<Vec3>]) -> Rgb {
     let known = positions.iter().flatten();
     let (low, high) = known.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-    let color =
-        |p: &Option<Vec3>| p.map_or([0; 3], |p| ((p - low) / (high - low).max(Vec3::splat(1e-6))).to_array().map(unit));
+    let color = |p: &Option<Vec3>| {
+        p.map_or([0; 3], |p| ((p - low) / (high - low).max(Vec3::splat(1e-6))).to_array().map(unit_byte))
+    };
     Rgb { width, height, bytes: positions.iter().flat_map(color).collect() }
 }
 
-/// Makes a picture of normals that are rotated by `turn`: a coordinate of −1 is 0, and 1 is 255. A pixel without a
+/// Makes a picture of normals that are rotated by `rotation`: a coordinate of −1 is 0, and 1 is 255. A pixel without a
 /// normal is black.
-fn normals(normal: &Pixels, turn: Mat3) -> Rgb {
+fn normal_picture(normal: &Pixels, rotation: Mat3) -> Rgb {
     Rgb::from_pixels(normal, |c| {
         let n = Vec3::new(c[0], c[1], c[2]);
-        if n == Vec3::ZERO { [0; 3] } else { ((turn * n) * 0.5 + 0.5).to_array().map(unit) }
+        if n == Vec3::ZERO { [0; 3] } else { ((rotation * n) * 0.5 + 0.5).to_array().map(unit_byte) }
     })
 }
 
@@ -98,7 +92,7 @@ mod tests {
     #[test]
     fn a_range_goes_from_black_to_white() {
         let p = |x: f32| Some(Vec3::new(x, 5.0, -x));
-        let made = ranged([2, 2], &[p(1.0), p(3.0), None, p(2.0)]);
+        let made = position_picture([2, 2], &[p(1.0), p(3.0), None, p(2.0)]);
         assert_eq!(made.bytes, [0, 0, 255, 255, 0, 0, 0, 0, 0, 128, 0, 128]);
     }
 }

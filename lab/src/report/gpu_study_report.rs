@@ -5,7 +5,7 @@ use crate::study::TimeRecord;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 use crate::study::bandwidth::{self, BandwidthRecord};
 use crate::study::exhibit::Table;
-use crate::study::names::roughness;
+use crate::study::names::roughness_name;
 use crate::study::readme::{self, ReadmeRecord};
 use crate::study::record::Head;
 use crate::study::shaders::ShaderRecord;
@@ -41,7 +41,7 @@ pub struct DeviceTimes {
     /// Every method on every view, in fragment and in compute shaders.
     pub methods: Vec<TimeRecord>,
     /// `unified` on each view and at each roughness: in turn with the screen traced first, and with the triangles traced first.
-    pub first: Vec<TimeRecord>,
+    pub orders: Vec<TimeRecord>,
     /// `traced` on each view and at each roughness, by the tree and then by ray queries; empty on a device without ray queries.
     pub tracers: Vec<TimeRecord>,
     /// The variants of the README's tables.
@@ -53,7 +53,7 @@ pub struct DeviceTimes {
 impl DeviceTimes {
     /// All times.
     pub fn all(&self) -> Vec<TimeRecord> {
-        [&self.table[..], &self.methods, &self.first, &self.tracers, &self.readme, &self.stages].concat()
+        [&self.table[..], &self.methods, &self.orders, &self.tracers, &self.readme, &self.stages].concat()
     }
 }
 
@@ -64,7 +64,7 @@ pub struct Findings {
     /// Steps of the mirror rays of each view.
     pub steps: Vec<StepsRecord>,
     /// The device's images against those of other devices, on one G-buffer.
-    pub same: Vec<AgreementRecord>,
+    pub agreement: Vec<AgreementRecord>,
     /// The G-buffer that the device draws against those that other devices draw.
     pub drawn: Vec<DrawnRecord>,
     /// The messages of the validation layers.
@@ -79,9 +79,6 @@ pub const PAGE: &str = "index.html";
 pub const README: &str = "readme.html";
 
 /// Writes the page of the README's numbers.
-///
-/// # Errors
-/// Errors of writing a file.
 pub fn write_readme(folder: &PathInFolder, device: &DeviceInfo, command: &str, readme: &[ReadmeRecord]) -> Result<()> {
     let table = readme::table(readme);
     let page = html::tables_page(&table.title, Some(device), command, std::slice::from_ref(&table));
@@ -89,9 +86,6 @@ pub fn write_readme(folder: &PathInFolder, device: &DeviceInfo, command: &str, r
 }
 
 /// Writes `gpu-study.json` and the [`PAGE`].
-///
-/// # Errors
-/// Errors of writing a file.
 pub fn write(
     folder: &PathInFolder,
     device: &DeviceInfo,
@@ -99,7 +93,7 @@ pub fn write(
     (times, readme): (&DeviceTimes, &[ReadmeRecord]),
     found: &Findings,
 ) -> Result<()> {
-    let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::of_passes(r, &found.copy)).collect();
+    let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::pass_rates(r, &found.copy)).collect();
     let all: Vec<_> = records(device, &rates, found).into_iter().chain(readme.iter().map(|r| json!(r))).collect();
     folder.join("gpu-study.json").write(files::json(&all).as_bytes())?;
     folder.join(PAGE).write(page(device, command, times, &rates, found).as_bytes())
@@ -113,12 +107,12 @@ fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> 
     };
     let rates = [&found.copy].into_iter().chain(rates).map(|r| json!(r));
     let steps = found.steps.iter().map(|r| json!(r));
-    let same = found.same.iter().map(|r| json!(r)).chain(found.drawn.iter().map(|r| json!(r)));
+    let agreement = found.agreement.iter().map(|r| json!(r)).chain(found.drawn.iter().map(|r| json!(r)));
     let programs = match &found.programs {
         CompiledPrograms::Unknown(why) => vec![json!({ "kind": "shaders", "device": device, "why": why })],
         CompiledPrograms::Said(all) => all.iter().map(|r| json!(r)).collect(),
     };
-    rates.chain(steps).chain(same).chain([validation]).chain(programs).collect()
+    rates.chain(steps).chain(agreement).chain([validation]).chain(programs).collect()
 }
 
 /// The page of the study, with a table for each group of times and for each finding.
@@ -180,7 +174,7 @@ fn page(
                 "Screen and triangles",
                 "unified with its rays asked of the screen first, and of the scene's triangles, timed in turn. Both end a ray \
                  where the scene does. Where the ratio is below 1, the triangles alone are faster.",
-                pair_cells(&times.first, ["screen", "triangles"]),
+                pair_cells(&times.orders, ["screen", "triangles"]),
             ),
             Table::new(
                 "tracers",
@@ -191,7 +185,7 @@ fn page(
             ),
             BandwidthRecord::table(&all_rates),
             StepsRecord::table(&found.steps),
-            AgreementRecord::table(&found.same),
+            AgreementRecord::table(&found.agreement),
             DrawnRecord::table(&found.drawn),
             Table::new(
                 "validation",
@@ -225,11 +219,11 @@ fn header(names: &[&str]) -> Vec<Vec<String>> {
 }
 
 /// Returns the cells of a row that say where a time was measured: view, size and roughness.
-fn place(head: &Head) -> Vec<String> {
+fn place_cells(head: &Head) -> Vec<String> {
     vec![
         format!("{} {}", head.scene, head.view),
         format!("{} x {}", head.width, head.height),
-        roughness(head.roughness),
+        roughness_name(head.roughness),
     ]
 }
 
@@ -260,7 +254,7 @@ fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
         };
         let Some(compute_record) = compute.iter().find(|r| key(r) == key(fragment_record)) else { continue };
         let [fragment_ms, compute_ms] = [fragment_record, compute_record].map(|r| r.total.median_ms);
-        let mut row = place(&fragment_record.head);
+        let mut row = place_cells(&fragment_record.head);
         row.push(fragment_record.head.method.clone());
         row.extend([fragment_ms, compute_ms].map(|ms| format!("{ms:.3}")));
         row.push(if fragment_ms > 0.0 { format!("{:.2}", compute_ms / fragment_ms) } else { "-".to_owned() });
@@ -273,7 +267,7 @@ fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
 fn method_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "method", "median ms", "min", "p95", "n", "floor"]);
     rows.extend(records.iter().map(|r| {
-        let mut row = place(&r.head);
+        let mut row = place_cells(&r.head);
         row.push(r.head.variant());
         row.extend([r.total.median_ms, r.total.min_ms, r.total.p95_ms].map(|ms| format!("{ms:.3}")));
         row.push(r.total.samples.to_string());
@@ -288,7 +282,7 @@ fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "method", "pass", "median ms", "fragments", "compute"]);
     for r in records {
         rows.extend(r.passes.iter().filter(|p| p.counted).map(|p| {
-            let mut row = place(&r.head);
+            let mut row = place_cells(&r.head);
             row.extend([r.head.variant(), p.name.clone(), format!("{:.4}", p.stats.median_ms)]);
             let work = p.work.map(|w| [w.fragment_invocations, w.compute_invocations]);
             row.extend(work.map_or(["-".to_owned(), "-".to_owned()], |w| w.map(|n| n.to_string())));
@@ -299,21 +293,21 @@ fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
 }
 
 /// Returns a table of the passes that two variants of a method have in common, and of their totals. In `records`, each
-/// record of the first variant is followed by one of the second; `one` and `other` name the variants.
-fn pair_cells(records: &[TimeRecord], [one, other]: [&str; 2]) -> Vec<Vec<String>> {
-    let [one_ms, other_ms] = [format!("{one} ms"), format!("{other} ms")];
-    let mut rows = header(&["view", "size", "roughness", "pass", &one_ms, &other_ms, &format!("{other} / {one}")]);
+/// record of the first variant is followed by one of the second; `a` and `b` name the variants.
+fn pair_cells(records: &[TimeRecord], [a, b]: [&str; 2]) -> Vec<Vec<String>> {
+    let [title_a, title_b] = [format!("{a} ms"), format!("{b} ms")];
+    let mut rows = header(&["view", "size", "roughness", "pass", &title_a, &title_b, &format!("{b} / {a}")]);
     let medians = |r: &TimeRecord| -> Vec<(String, f64)> {
         let passes = r.passes.iter().filter(|p| p.counted).map(|p| (p.name.clone(), p.stats.median_ms));
         passes.chain([("total".to_owned(), r.total.median_ms)]).collect()
     };
-    for (first, second) in records.chunks_exact(2).map(|pair| (&pair[0], &pair[1])) {
-        let second_medians = medians(second);
-        for (name, ms) in medians(first) {
-            let Some((_, other_ms)) = second_medians.iter().find(|(n, _)| *n == name) else { continue };
-            let ratio = if ms > 0.0 { format!("{:.2}", other_ms / ms) } else { "-".to_owned() };
-            let mut row = place(&first.head);
-            row.extend([name, format!("{ms:.4}"), format!("{other_ms:.4}"), ratio]);
+    for (record_a, record_b) in records.chunks_exact(2).map(|pair| (&pair[0], &pair[1])) {
+        let medians_b = medians(record_b);
+        for (name, ms_a) in medians(record_a) {
+            let Some((_, ms_b)) = medians_b.iter().find(|(n, _)| *n == name) else { continue };
+            let ratio = if ms_a > 0.0 { format!("{:.2}", ms_b / ms_a) } else { "-".to_owned() };
+            let mut row = place_cells(&record_a.head);
+            row.extend([name, format!("{ms_a:.4}"), format!("{ms_b:.4}"), ratio]);
             rows.push(row);
         }
     }

@@ -20,7 +20,7 @@ use crate::study::TimeRecord;
 use crate::study::agreement::AgreementRecord;
 use crate::study::error::ErrorRecord;
 use crate::study::exhibit::Table;
-use crate::study::names::{is_obeyed_in_lines, without_obeyed};
+use crate::study::names::{is_unsafe_in_lines, with_replacements};
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::ComparedRow;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -44,7 +44,7 @@ pub struct Page<'a> {
     /// Figures of the thesis.
     pub figures: &'a [Picture],
     /// Comparisons of the methods' images on other devices with those on this device; empty if there is no other device.
-    pub same: &'a [AgreementRecord],
+    pub agreement: &'a [AgreementRecord],
     /// Records beside the page: a file or folder, relative to the page, and its content.
     pub records: Vec<(String, String)>,
 }
@@ -105,22 +105,22 @@ impl Page<'_> {
                 (embed::JPEG_QUALITY) ", at most " (gallery::WIDEST) " pixels wide; each links to its lossless PNG at "
                 "full size."
             }
-            (galleries(self.views, folder)?)
+            (gallery_list(self.views, folder)?)
             (figures) div.strip { (gallery::figures("Thesis", self.figures, folder)?) }
             (table) (sections::table_5_8(&self.times))
             (stages) p { (self.times.settings) }
             (sections::inline_svg(&self.times.plot, "Median time of each stage by view and method; \
                 the tables under “Every pass” have the same times"))
             (error) (sections::errors(&self.errors))
-            (galleries(&self.errors.pictures, folder)?)
+            (gallery_list(&self.errors.pictures, folder)?)
             (passes)
             p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
             (sections::passes(self.times.view_records))
             (drivers)
-            @if self.same.is_empty() {
+            @if self.agreement.is_empty() {
                 p { "Vulkan lists no other device here that can be used." }
             } @else {
-                (sections::explained(&AgreementRecord::table(self.same)))
+                (sections::table_with_text(&AgreementRecord::table(self.agreement)))
             }
             (records)
             ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
@@ -129,7 +129,7 @@ impl Page<'_> {
         };
         let header =
             page_header("Glossy reflections in screen space", Some(self.device), DEFINITIONS, &self.command, &parts);
-        Ok(frame("study", &header, &body))
+        Ok(assemble("study", &header, &body))
     }
 }
 
@@ -139,14 +139,14 @@ pub fn tables_page(title: &str, device: Option<&DeviceInfo>, command: &str, tabl
     let body = html! {
         @for table in tables {
             (heading((table.id, &table.title)))
-            (sections::explained(table))
+            (sections::table_with_text(table))
         }
     };
-    frame(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)
+    assemble(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)
 }
 
 /// Puts a page together from its title, its header and its body. Characters that a terminal would obey are removed.
-fn frame(title: &str, header: &Markup, body: &Markup) -> String {
+fn assemble(title: &str, header: &Markup, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -157,7 +157,7 @@ fn frame(title: &str, header: &Markup, body: &Markup) -> String {
             }
         }
     };
-    without_obeyed(&page.into_string(), is_obeyed_in_lines).into_owned()
+    with_replacements(&page.into_string(), is_unsafe_in_lines).into_owned()
 }
 
 /// The header of a page: device, provenance, command, and links to the parts, each with its id and its title.
@@ -256,7 +256,7 @@ pub fn devices_page(
             div.scroll { pre { (device.text) } }
         }
     };
-    frame(title, &page_header(title, None, definitions, command, &ids), &body)
+    assemble(title, &page_header(title, None, definitions, command, &ids), &body)
 }
 
 /// Returns the heading of a part of a page, to which links lead by its id.
@@ -265,7 +265,7 @@ fn heading((id, title): (&str, &str)) -> Markup {
 }
 
 /// Returns galleries as HTML, one below the other.
-fn galleries(all: &[Gallery], folder: &PictureFolder) -> Result<Markup> {
-    let galleries = all.iter().map(|g| gallery::gallery(g, folder)).collect::<Result<Vec<_>>>()?;
+fn gallery_list(galleries: &[Gallery], folder: &PictureFolder) -> Result<Markup> {
+    let galleries = galleries.iter().map(|g| gallery::gallery(g, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! { @for gallery in galleries { (gallery) } })
 }

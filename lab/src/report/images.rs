@@ -58,7 +58,7 @@ pub fn display(pixels: &Pixels) -> Rgb {
 /// Fails unless a path has an extension that [`write_image`] writes. Commands call it before their work, so that no
 /// work is lost.
 pub fn check_extension(path: &Path) -> Result<()> {
-    if is(path, "png") || is(path, "exr") {
+    if has_extension(path, "png") || has_extension(path, "exr") {
         return Ok(());
     }
     Err(Error::Usage(format!("{}: an image is written as .png or .exr", path.display())))
@@ -68,11 +68,15 @@ pub fn check_extension(path: &Path) -> Result<()> {
 pub fn write_image(to: impl Into<PathInFolder>, pixels: &Pixels) -> Result<()> {
     let to = to.into();
     check_extension(&to.path())?;
-    if is(&to.path(), "exr") { write_exr(to, pixels, &["R", "G", "B", "A"]) } else { display(pixels).write_png(&to) }
+    if has_extension(&to.path(), "exr") {
+        write_exr(to, pixels, &["R", "G", "B", "A"])
+    } else {
+        display(pixels).write_png(&to)
+    }
 }
 
 /// True if the path has the extension, in small or in capital letters.
-fn is(path: &Path, extension: &str) -> bool {
+fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
@@ -108,11 +112,10 @@ const MOST_PIXELS: u64 = 1 << 26;
 /// linear, 8 bits a channel. Alpha is left out.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, or
-/// has more than [`MAX_EXTENT`] pixels on a side or more than 2²⁶ in all. For an `.exr`, the size is checked before memory is taken for
-/// the pixels.
+/// [`Malformed`](ssct_ground::Error::Malformed) for a file that is no such image, or has more than [`MAX_EXTENT`] pixels on a side or more
+/// than 2²⁶ in all. For an `.exr`, the size is checked before memory is taken for the pixels.
 pub fn read_image(path: &Path) -> Result<LinearImage> {
-    if is(path, "exr") {
+    if has_extension(path, "exr") {
         return read_exr(path);
     }
     let Texture { width, height, rgba, .. } = texture::decode(path, Encoding::Srgb)?;
@@ -141,18 +144,13 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
 /// four channels, in this order; the last is 0 if `fourth` is `None`.
 ///
 /// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the file can't be read. [`Malformed`](ssct_ground::Error::Malformed) if it is no such image, lacks
-/// a channel, or has more than [`MAX_EXTENT`] pixels on a side or more than 2²⁶ in all. The size is checked before memory is taken for
-/// the pixels.
+/// The errors of [`read_image`], and [`Malformed`](ssct_ground::Error::Malformed) for an image that lacks a channel.
 pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
-    exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
+    decode_exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
 }
 
 /// Decodes the bytes of a file that [`read_exr_channels`] reads.
-///
-/// # Errors
-/// The [`Malformed`](ssct_ground::Error::Malformed) of [`read_exr_channels`].
-pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
+pub fn decode_exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
@@ -202,12 +200,11 @@ pub fn exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<
 
 /// Makes a picture to look at of an image of a frame; `kind` says what the numbers of the image mean.
 pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
-    let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     match kind {
         Content::Color => display(pixels),
-        Content::Normal => {
-            Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit(c[i] * 0.5 + 0.5) }))
-        }
+        Content::Normal => Rgb::from_pixels(pixels, |c| {
+            [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit_byte(c[i] * 0.5 + 0.5) })
+        }),
         Content::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
         Content::StandardDepth => {
             // The minimum alone is grey; with the maximum, the minimum is red and the maximum green.
@@ -215,20 +212,20 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
             Rgb::from_pixels(pixels, |c| if c.len() > 1 { [shade(c[0]), shade(c[1]), 0] } else { [shade(c[0]); 3] })
         }
         Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
-        Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
+        Content::Share => Rgb::from_pixels(pixels, |c| [unit_byte(c[0]); 3]),
         // Red is the front of a cell, and green its back. A cell without geometry has a negative front and is black.
         Content::Pyramid(_) => Rgb::from_pixels(pixels, |c| {
             if c[0] < 0.0 { [0; 3] } else { [depth_shade(c[0], lens), depth_shade(c[1], lens), 0] }
         }),
-        Content::Numbers => Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| c.get(i).map_or(0, |v| unit(*v)))),
+        Content::Numbers => Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| c.get(i).map_or(0, |v| unit_byte(*v)))),
         Content::Steps => {
             let most = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
-            Rgb::from_pixels(pixels, |c| [unit(c[0] / most); 3])
+            Rgb::from_pixels(pixels, |c| [unit_byte(c[0] / most); 3])
         }
-        Content::Material => Rgb::from_pixels(pixels, |c| [unit(c[0]), unit(c[1]), 0]),
+        Content::Material => Rgb::from_pixels(pixels, |c| [unit_byte(c[0]), unit_byte(c[1]), 0]),
         Content::Hits => Rgb::from_pixels(pixels, |c| {
             if PathCode::from_channel(c[3]).is_some_and(PathCode::is_hit) {
-                [unit(c[0]), unit(c[1]), 0]
+                [unit_byte(c[0]), unit_byte(c[1]), 0]
             } else {
                 [0; 3]
             }
@@ -272,7 +269,7 @@ fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
         return 0;
     }
     if lens.kind().is_orthographic() {
-        return shade(reversed);
+        return srgb_byte(reversed);
     }
     // A perspective has the reversed depth d at the view-space z = near · far / (near + d · (far − near)).
     distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
@@ -283,12 +280,17 @@ fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
 /// depth of an orthographic projection compresses nothing.
 fn distance_shade(z: f32, lens: &Lens) -> u8 {
     if lens.kind().is_orthographic() {
-        return shade((lens.far_m - z) / (lens.far_m - lens.near_m));
+        return srgb_byte((lens.far_m - z) / (lens.far_m - lens.near_m));
     }
-    shade(1.0 - (z / lens.near_m).ln() / (1e4_f32).ln())
+    srgb_byte(1.0 - (z / lens.near_m).ln() / (1e4_f32).ln())
+}
+
+/// A number from 0 to 1 as a byte.
+pub(super) fn unit_byte(v: f32) -> u8 {
+    (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
 /// Encodes a share from 0 to 1 as a byte of sRGB.
-fn shade(share: f32) -> u8 {
+fn srgb_byte(share: f32) -> u8 {
     (linear_to_srgb(share.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }

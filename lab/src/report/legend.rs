@@ -2,7 +2,7 @@
 
 use super::images::Color;
 use super::svg::Svg;
-use crate::study::names::counted;
+use crate::study::names::count_text;
 use glam::Vec2;
 use ssct_ground::math::display_byte;
 
@@ -19,10 +19,10 @@ const EDGE: &str = r##"stroke="#888""##;
 
 /// Returns the legend of a picture as SVG. Each entry is a colour, its meaning, and how many pixels have it.
 pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
-    let all: usize = entries.iter().map(|(.., count)| count).sum();
+    let total: usize = entries.iter().map(|(.., count)| count).sum();
     let line = |(_, meaning, count): &(Color, &str, usize)| {
-        let percent = if all == 0 { 0.0 } else { 100.0 * *count as f64 / all as f64 };
-        format!("{meaning}, {}, {percent:.1} %", counted(*count, "pixel"))
+        let percent = if total == 0 { 0.0 } else { 100.0 * *count as f64 / total as f64 };
+        format!("{meaning}, {}, {percent:.1} %", count_text(*count, "pixel"))
     };
     let lines: Vec<String> = entries.iter().map(line).collect();
     let longest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0).max(picture.len());

@@ -37,23 +37,20 @@ pub struct Library {
 }
 
 /// Reads every folder from a root down. Hidden folders and links to folders are not followed.
-///
-/// # Errors
-/// [`Io`](ssct_ground::Error::Io) if the folder itself cannot be read.
 pub fn scan(root: &Path) -> Result<Library> {
     // A root that cannot be read is an error; a folder below it that cannot be read is part of the result.
     let inside = PathInFolder::folder(root);
     inside.list()?;
     let absolute_root = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
     let mut library = Library::default();
-    let mut folders = folders(&inside, &mut library.unreadable);
+    let mut folders = list_folders(&inside, &mut library.unreadable);
     join_error_folders(&mut folders);
     // The page in the root is the page of the library, and belongs to no run.
     folders.entry(root.to_owned()).or_default().retain(|file| file.file_name().is_some_and(|n| n != PAGE));
     for (folder, files) in folders {
         let name = relative(root, &folder);
         let absolute = absolute_root.join(folder.strip_prefix(root).unwrap_or(&folder));
-        match run(&folder, &absolute, &name, &files) {
+        match read_folder(&folder, &absolute, &name, &files) {
             FolderContent::Run(run) => library.runs.push(*run),
             FolderContent::Unreadable(why) => library.unreadable.push((name, why)),
             FolderContent::Nothing if files.is_empty() => {}
@@ -66,7 +63,7 @@ pub fn scan(root: &Path) -> Result<Library> {
 
 /// Returns every folder from a root down, each with its files. Folders that cannot be read are added to `unreadable`:
 /// the path below the root, and the reason.
-fn folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
+fn list_folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut found = BTreeMap::new();
     let mut to_visit = vec![root.clone()];
     while let Some(folder) = to_visit.pop() {
@@ -97,8 +94,8 @@ fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
         folders.keys().filter(|f| f.file_name().is_some_and(|n| n == ERROR_FOLDER)).cloned().collect();
     for folder in errors {
         let Some(parent) = folder.parent().map(Path::to_owned) else { continue };
-        let one_run = has(folders.get(&parent), "time.json") && !has(folders.get(&parent), "error.json");
-        if one_run && let Some(files) = folders.remove(&folder) {
+        let is_one_run = has(folders.get(&parent), "time.json") && !has(folders.get(&parent), "error.json");
+        if is_one_run && let Some(files) = folders.remove(&folder) {
             folders.entry(parent).or_default().extend(files);
         }
     }
@@ -121,47 +118,47 @@ enum FolderContent {
 
 /// Reads every array of records among a folder's files, and the raw samples. `absolute` is the folder's path from the
 /// root of the file system, in which a name may begin with the date.
-fn run(folder: &Path, absolute: &Path, name: &str, files: &[PathBuf]) -> FolderContent {
-    let mut all = FolderRecords::default();
-    let (mut wrong, mut notes) = (Vec::new(), Vec::new());
+fn read_folder(folder: &Path, absolute: &Path, name: &str, files: &[PathBuf]) -> FolderContent {
+    let mut found = FolderRecords::default();
+    let (mut faults, mut notes) = (Vec::new(), Vec::new());
     for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "json")) {
-        match records(path) {
-            Ok(Some(content)) => all.add(&relative(folder, path), &content, &mut notes),
+        match read_records(path) {
+            Ok(Some(content)) => found.add_file(&relative(folder, path), &content, &mut notes),
             Ok(None) => {}
-            Err(why) => wrong.push(why),
+            Err(why) => faults.push(why),
         }
     }
     let inside = PathInFolder::folder(folder);
     let unfinished = inside.join(JOURNAL).is_there() && !is_finished(&inside).unwrap_or(false);
-    if all.files.is_empty() {
-        return match (wrong.is_empty(), unfinished) {
-            (false, _) => FolderContent::Unreadable(wrong.join("; ")),
+    if found.files.is_empty() {
+        return match (faults.is_empty(), unfinished) {
+            (false, _) => FolderContent::Unreadable(faults.join("; ")),
             (true, true) => {
                 FolderContent::Unreadable(format!("the run was not finished: there is a {JOURNAL}, and no records"))
             }
             (true, false) => FolderContent::Nothing,
         };
     }
-    notes.extend(wrong);
+    notes.extend(faults);
     if unfinished {
         notes.push(format!("the run was not finished, by its {JOURNAL}"));
     }
-    let samples = samples(folder, name, &all).unwrap_or_else(|e| {
+    let samples = read_samples(folder, name, &found).unwrap_or_else(|e| {
         notes.push(e.to_string());
         None
     });
-    let (date, dated_by) = date(absolute, files);
+    let (date, dated_by) = run_date(absolute, files);
     FolderContent::Run(Box::new(LibraryRun {
         name: name.to_owned(),
         date,
         dated_by,
-        files: all.files,
+        files: found.files,
         has_page: files.iter().any(|file| file.file_name().is_some_and(|n| n == PAGE)),
-        programs: all.programs.into_iter().collect(),
-        definitions: all.definitions.into_iter().collect(),
-        devices: all.devices,
-        measurements: all.measurements,
-        stress: (all.stress[1] > 0).then_some(all.stress),
+        programs: found.programs.into_iter().collect(),
+        definitions: found.definitions.into_iter().collect(),
+        devices: found.devices,
+        measurements: found.measurements,
+        stress: (found.stress[1] > 0).then_some(found.stress),
         samples,
         notes,
     }))
@@ -169,7 +166,7 @@ fn run(folder: &Path, absolute: &Path, name: &str, files: &[PathBuf]) -> FolderC
 
 /// Reads the records of a file; `None` if it holds something else. That is an error if the file's name is that of a
 /// kind of records.
-fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
+fn read_records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let must_hold_records = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
     let content = PathInFolder::file(path)
@@ -203,14 +200,14 @@ type MeasurementKey = (usize, Setting, String, String, Quantity);
 
 impl FolderRecords {
     /// Adds the records of a file, and a note about records that do not count.
-    fn add(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
+    fn add_file(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
         let (mut unreadable, mut contradictions) = (Vec::new(), 0);
         let mut kinds = None;
         for json in records {
             match read::record(json) {
                 Ok(record) => {
                     kinds.get_or_insert_with(|| record.kind.clone());
-                    contradictions += self.take(record);
+                    contradictions += self.add_record(record);
                 }
                 Err(why) => unreadable.push(why),
             }
@@ -231,7 +228,7 @@ impl FolderRecords {
 
     /// Adds a record. Returns how many of its figures are left out, since an earlier record has them with another
     /// value.
-    fn take(&mut self, record: ReadRecord) -> usize {
+    fn add_record(&mut self, record: ReadRecord) -> usize {
         let device = self.devices.iter().position(|d| *d == record.device).unwrap_or_else(|| {
             self.devices.push(record.device.clone());
             self.devices.len() - 1
@@ -259,7 +256,7 @@ impl FolderRecords {
 }
 
 /// Reads the total times of a run's raw samples; `None` if it has no raw samples.
-fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<compare::Run>> {
+fn read_samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<compare::Run>> {
     let file = PathInFolder::folder(folder).join(SAMPLES);
     if file.open()?.is_none() {
         return Ok(None);
@@ -275,7 +272,7 @@ fn samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<comp
 
 /// Returns the date of a run. It is the date with which the name of its folder begins or, if there is none, that of the
 /// nearest folder above. If no name begins with a date, it is the date of the run's newest file.
-fn date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
+fn run_date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
     let names = folder.components().rev().filter_map(|part| match part {
         Component::Normal(name) => name.to_str(),
         _ => None,

@@ -51,42 +51,42 @@ pub struct Exported {
 ///
 /// # Errors
 /// [`Usage`](ssct_ground::Error::Usage) for an orthographic camera, and errors of writing files.
-pub fn export(folder: &PathInFolder, what: &Export) -> Result<Exported> {
-    let fov_y_radians = what.camera.lens.fov_y_radians().ok_or_else(|| {
+pub fn export(folder: &PathInFolder, input: &Export) -> Result<Exported> {
+    let fov_y_radians = input.camera.lens.fov_y_radians().ok_or_else(|| {
         let message = "scenes are exported for Mitsuba with perspectives alone, and this camera is orthographic";
         Error::Usage(message.into())
     })?;
-    let materials: Vec<Material> = what.materials.iter().map(without_sky).collect();
-    let world = World::new(what.scene, &materials);
-    let first_hits = FirstHits::trace(&world, &what.camera, what.extent);
+    let materials: Vec<Material> = input.materials.iter().map(without_sky).collect();
+    let world = World::new(input.scene, &materials);
+    let first_hits = FirstHits::trace(&world, &input.camera, input.extent);
     // All rays of a pixel start at one point, which is exported, so that Mitsuba can trace from the same points.
-    let reference = WorldReference::of_centres(&world, &first_hits, what.seed);
+    let reference = WorldReference::of_centres(&world, &first_hits, input.seed);
     let mut state = reference.start();
-    reference.add(&mut state, what.samples);
+    reference.add(&mut state, input.samples);
 
-    folder.join("scene.xml").write(scene_xml(what, fov_y_radians, &materials).as_bytes())?;
-    for (i, mesh) in what.scene.meshes.iter().enumerate() {
-        folder.join(mesh_file(i)).write(&ply(mesh))?;
+    folder.join("scene.xml").write(scene_xml(input, fov_y_radians, &materials).as_bytes())?;
+    for (i, mesh) in input.scene.meshes.iter().enumerate() {
+        folder.join(mesh_file(i)).write(&encode_ply(mesh))?;
     }
-    for (i, texture) in what.scene.textures.iter().enumerate() {
+    for (i, texture) in input.scene.textures.iter().enumerate() {
         write_rgba_png(folder.join(texture_file(i)), [texture.width, texture.height], &texture.rgba)?;
     }
     let arrays = Arrays(folder);
-    arrays.primary(&world, what, &first_hits)?;
+    arrays.write_primary(&world, input, &first_hits)?;
     let reflecting: Vec<usize> =
         (0..first_hits.receivers.len()).filter(|i| first_hits.receivers[*i].is_some()).collect();
-    arrays.receivers(&world, &first_hits)?;
+    arrays.write_receivers(&world, &first_hits)?;
     // The vectors of the reflecting pixels alone, as numbers one after the other.
     let reflecting_values =
         |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
     arrays.write_f64s("reflection_mean", 3, reflecting_values(state.means().collect()))?;
     arrays.write_f64s("reflection_error", 3, reflecting_values(state.standard_errors().collect()))?;
     arrays.write_i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
-    arrays.tangents(&what.scene.meshes)?;
-    let text = serde_json::to_string_pretty(&description(what, &materials)).unwrap_or_else(|e| e.to_string());
+    arrays.write_tangents(&input.scene.meshes)?;
+    let text = serde_json::to_string_pretty(&truth_json(input, &materials)).unwrap_or_else(|e| e.to_string());
     folder.join("truth.json").write(json_text(&text).as_bytes())?;
     Ok(Exported {
-        triangles: what.scene.triangle_count(),
+        triangles: input.scene.triangle_count(),
         receivers: reflecting.len(),
         standard_error: state.overall_standard_error(),
     })
@@ -113,11 +113,11 @@ fn texture_file(index: usize) -> String {
 
 /// Returns the scene as Mitsuba 3 reads it, seen in perspective. Materials are diffuse and the light is a constant
 /// environment, so that Mitsuba can render the scene; the comparison only intersects rays and reads the albedo.
-fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> String {
+fn scene_xml(input: &Export, fov_y_radians: f32, materials: &[Material]) -> String {
     let mirrored_x = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
-    let to_world = what.camera.world_to_view.as_dmat4().inverse() * mirrored_x;
+    let to_world = input.camera.world_to_view.as_dmat4().inverse() * mirrored_x;
     let matrix: Vec<String> = to_world.transpose().to_cols_array().iter().map(f64::to_string).collect();
-    let lens = what.camera.lens;
+    let lens = input.camera.lens;
     let mut xml =
         String::from("<scene version=\"3.0.0\">\n  <integrator type=\"path\"/>\n  <emitter type=\"constant\"/>\n");
     // Writing to a String cannot fail.
@@ -132,8 +132,8 @@ fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> Strin
         f64::from(fov_y_radians).to_degrees(),
         lens.near_m,
         lens.far_m,
-        what.extent[0],
-        what.extent[1],
+        input.extent[0],
+        input.extent[1],
     );
     for (i, material) in materials.iter().enumerate() {
         let albedo = match material.albedo_map {
@@ -148,7 +148,7 @@ fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> Strin
             "  <bsdf type=\"twosided\" id=\"material-{i}\"><bsdf type=\"diffuse\">{albedo}</bsdf></bsdf>"
         );
     }
-    for (i, mesh) in what.scene.meshes.iter().enumerate().filter(|(_, m)| !m.indices.is_empty()) {
+    for (i, mesh) in input.scene.meshes.iter().enumerate().filter(|(_, m)| !m.indices.is_empty()) {
         let _ = writeln!(
             xml,
             "  <shape type=\"ply\" id=\"mesh-{i}\"><string name=\"filename\" value=\"{}\"/><ref id=\"material-{}\"/></shape>",
@@ -160,7 +160,7 @@ fn scene_xml(what: &Export, fov_y_radians: f32, materials: &[Material]) -> Strin
 }
 
 /// Returns a mesh as binary PLY: position, normal and texture coordinates of its vertices, and its triangles.
-fn ply(mesh: &Mesh) -> Vec<u8> {
+fn encode_ply(mesh: &Mesh) -> Vec<u8> {
     let triangles = mesh.indices.as_chunks::<3>().0;
     let properties: String =
         ["x", "y", "z", "nx", "ny", "nz", "u", "v"].map(|p| format!("property float {p}\n")).concat();
@@ -182,7 +182,7 @@ fn ply(mesh: &Mesh) -> Vec<u8> {
 }
 
 /// Returns the content of `truth.json`: settings, lights, materials and textures.
-fn description(what: &Export, materials: &[Material]) -> Value {
+fn truth_json(input: &Export, materials: &[Material]) -> Value {
     let light = |l: &Light| match *l {
         Light::Point { position, energy } => json!({"kind": "point", "at": position.to_array(), "energy": energy}),
         Light::Directional { direction, energy } => {
@@ -197,17 +197,17 @@ fn description(what: &Export, materials: &[Material]) -> Value {
         })
     };
     let texture = |i: usize| {
-        let srgb = what.scene.textures[i].encoding == Encoding::Srgb;
+        let srgb = input.scene.textures[i].encoding == Encoding::Srgb;
         json!({"file": texture_file(i), "srgb": srgb})
     };
     json!({
-        "kind": "truth", "scene": what.scene.name,
-        "width": what.extent[0], "height": what.extent[1],
-        "ray_start_m": RAY_START_M, "samples": what.samples, "seed": what.seed,
-        "lights": what.scene.lights.iter().map(light).collect::<Vec<_>>(),
+        "kind": "truth", "scene": input.scene.name,
+        "width": input.extent[0], "height": input.extent[1],
+        "ray_start_m": RAY_START_M, "samples": input.samples, "seed": input.seed,
+        "lights": input.scene.lights.iter().map(light).collect::<Vec<_>>(),
         "materials": materials.iter().map(material).collect::<Vec<_>>(),
-        "mesh_material": what.scene.meshes.iter().map(|m| m.material).collect::<Vec<_>>(),
-        "textures": (0..what.scene.textures.len()).map(texture).collect::<Vec<_>>(),
+        "mesh_material": input.scene.meshes.iter().map(|m| m.material).collect::<Vec<_>>(),
+        "textures": (0..input.scene.textures.len()).map(texture).collect::<Vec<_>>(),
     })
 }
 
@@ -216,18 +216,18 @@ struct Arrays<'a>(&'a PathInFolder);
 
 impl Arrays<'_> {
     /// Writes what the ray through the centre of each pixel hits: the ray's direction, the end of the ray
-    /// (see `ends`), and the lit colour.
-    fn primary(&self, world: &World, what: &Export, first_hits: &FirstHits) -> Result<()> {
-        let rays = PrimaryRays::new(&what.camera, what.extent);
+    /// ([`Arrays::write_ends`]), and the lit colour.
+    fn write_primary(&self, world: &World, input: &Export, first_hits: &FirstHits) -> Result<()> {
+        let rays = PrimaryRays::new(&input.camera, input.extent);
         let rays: Vec<WorldRay> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
         self.write_f64s("primary_direction", 3, rays.iter().flat_map(|r| r.direction.to_array()).collect())?;
-        self.ends("primary", world, &rays)?;
+        self.write_ends("primary", world, &rays)?;
         let lit = first_hits.lit.iter().flat_map(|c: &Vec3| c.as_dvec3().to_array());
         self.write_f64s("primary_lit", 3, lit.collect())
     }
 
     /// Writes the reflecting points in the order of their pixels, and the ends of their mirror rays.
-    fn receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
+    fn write_receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
         let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
         let vectors = |vector: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| vector(i).to_array()).collect();
         self.write_f64s("receiver_position", 3, vectors(&|i| all[i].position))?;
@@ -239,12 +239,12 @@ impl Arrays<'_> {
             .iter()
             .map(|r| WorldRay { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY })
             .collect();
-        self.ends("mirror", world, &rays)
+        self.write_ends("mirror", world, &rays)
     }
 
     /// Writes the ends of rays under names that begin with `name`: mesh and triangle (−1 for none), and position (NaN
     /// for none).
-    fn ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
+    fn write_ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
         let hits: Vec<Option<TriangleHit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
         let triangles: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
         self.write_i32s(&format!("{name}_mesh"), triangles.iter().map(|t| t.map_or(-1, |t| t.mesh as i32)).collect())?;
@@ -257,7 +257,7 @@ impl Arrays<'_> {
     }
 
     /// Writes the tangents of all meshes' vertices, mesh after mesh, and the index of the first vertex of each mesh.
-    fn tangents(&self, meshes: &[Mesh]) -> Result<()> {
+    fn write_tangents(&self, meshes: &[Mesh]) -> Result<()> {
         let all = meshes.iter().flat_map(|m| &m.vertices).flat_map(|v| v.tangent.map(f64::from));
         self.write_f64s("vertex_tangent", 4, all.collect())?;
         let first = meshes.iter().scan(0, |sum, m| {
@@ -275,16 +275,16 @@ impl Arrays<'_> {
         } else {
             format!("({}, {columns})", values.len() / columns)
         };
-        self.write(name, "<f8", &shape, values.iter().flat_map(|v| v.to_le_bytes()))
+        self.write_array(name, "<f8", &shape, values.iter().flat_map(|v| v.to_le_bytes()))
     }
 
     /// Writes an array of whole numbers.
     fn write_i32s(&self, name: &str, values: Vec<i32>) -> Result<()> {
-        self.write(name, "<i4", &format!("({},)", values.len()), values.iter().flat_map(|v| v.to_le_bytes()))
+        self.write_array(name, "<i4", &format!("({},)", values.len()), values.iter().flat_map(|v| v.to_le_bytes()))
     }
 
     /// Writes a file of NumPy's format 1.0: magic, version, length of the header, the header, the numbers.
-    fn write(&self, name: &str, kind: &str, shape: &str, content: impl Iterator<Item = u8>) -> Result<()> {
+    fn write_array(&self, name: &str, kind: &str, shape: &str, content: impl Iterator<Item = u8>) -> Result<()> {
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
         // The header is padded so that the numbers begin at a multiple of 64 bytes.
         let padding = 63 - (10 + header.len()) % 64;

@@ -3,7 +3,7 @@
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Drawing, Line, NamedPoint, StageBar, distinct};
 use crate::study::library::trends::TrendLine;
-use crate::study::names::{is_obeyed_in_lines, without_obeyed};
+use crate::study::names::{is_unsafe_in_lines, with_replacements};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -37,29 +37,23 @@ pub struct DrawnChart {
 }
 
 /// Draws the charts of rows that one device measured.
-///
-/// # Errors
-/// The message of the drawing library.
 pub fn draw_charts<R: Row>(rows: &[R]) -> Result<Vec<DrawnChart>, String> {
     let draw = |chart: Chart| Ok(DrawnChart { svg: draw(&chart.drawing)?, chart });
     R::charts(rows).into_iter().map(draw).collect()
 }
 
 /// Draws the values of a chart as SVG.
-///
-/// # Errors
-/// The message of the drawing library.
 pub fn draw(drawing: &Drawing) -> Result<String, String> {
     let svg = match drawing {
-        Drawing::Lines([x, y], all) => lines(all, [x, y]),
+        Drawing::Lines([x, y], lines) => draw_lines(lines, [x, y]),
         Drawing::Points([x, y], points) => draw_cost_against_error(points, [x, y]),
-        Drawing::Bars(bars) => stage_bars(bars),
+        Drawing::Bars(bars) => draw_stage_bars(bars),
     };
-    svg.map(|svg| without_obeyed(&svg, is_obeyed_in_lines).into_owned())
+    svg.map(|svg| with_replacements(&svg, is_unsafe_in_lines).into_owned())
 }
 
 /// Draws stacked bars, one for each record: the median of each stage of the effect, in milliseconds.
-fn stage_bars(records: &[StageBar]) -> Result<String, String> {
+fn draw_stage_bars(records: &[StageBar]) -> Result<String, String> {
     let stages: Vec<String> = distinct(records.iter().flat_map(|r| &r.stages).map(|(name, _)| name.clone()));
     let most = records.iter().map(|r| r.stages.iter().map(|(_, ms)| ms).sum::<f64>()).fold(1e-6, f64::max);
     let legend = legend_height(&stages);
@@ -136,21 +130,31 @@ fn legend_height(stages: &[String]) -> u32 {
     20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
 
+/// The least and the greatest value that an axis shows.
+struct AxisBounds {
+    least: f64,
+    most: f64,
+}
+
 /// Draws cost (x) against error (y) on log axes with the names `axes`. Every point has a name, and the Pareto front is
 /// connected. A log axis has no 0, so a point of error 0 is drawn at the axis's foot, at a tick that says 0.
 fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
-    // The least and the greatest value that an axis shows: a third more on both sides than the values above 0 need.
+    // An axis shows a third more on both sides than the values above 0 need.
     let bounds = |values: &dyn Fn(&NamedPoint) -> f64| {
         let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
         let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
-        if least <= most { (least / 1.3, most * 1.3) } else { (0.1, 1.0) }
+        if least <= most {
+            AxisBounds { least: least / 1.3, most: most * 1.3 }
+        } else {
+            AxisBounds { least: 0.1, most: 1.0 }
+        }
     };
     let (x, mut y) = (bounds(&|p| p.position[0]), bounds(&|p| p.position[1]));
-    let least_tick = y.0;
+    let least_tick = y.least;
     let has_zeros = points.iter().any(|p| p.position[1] <= 0.0);
     if has_zeros {
         // The axis grows at its foot by 12 % of its length, for the tick that says 0.
-        y.0 /= (y.1 / y.0).powf(0.12);
+        y.least /= (y.most / y.least).powf(0.12);
     }
     // Names stand in a column of their own, as wide as the longest needs.
     let longest = points.iter().map(|p| p.name.chars().count()).max().unwrap_or(0);
@@ -168,7 +172,7 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
             .margin(14)
             .x_label_area_size(44)
             .y_label_area_size(70)
-            .build_cartesian_2d(x.0.log10()..x.1.log10(), y.0.log10()..y.1.log10())
+            .build_cartesian_2d(x.least.log10()..x.most.log10(), y.least.log10()..y.most.log10())
             .map_err(failed)?;
         chart
             .configure_mesh()
@@ -182,24 +186,28 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
             .map_err(failed)?;
         let grid = STAGE_COLORS[7].mix(0.35);
         // Ticks of the x axis, each with a line over the height of the plot.
-        for tick in log_ticks(x) {
-            let (low, high) =
-                (chart.backend_coord(&(tick.log10(), y.0.log10())), chart.backend_coord(&(tick.log10(), y.1.log10())));
+        for tick in log_ticks(x.least, x.most) {
+            let (low, high) = (
+                chart.backend_coord(&(tick.log10(), y.least.log10())),
+                chart.backend_coord(&(tick.log10(), y.most.log10())),
+            );
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Center, VPos::Top));
             root.draw(&Text::new(format!("{tick}"), (low.0, low.1 + 5), style)).map_err(failed)?;
         }
         // Ticks of the y axis, each with a line over the width of the plot, and the tick that says 0.
-        let zero_tick = has_zeros.then_some((y.0, "0".to_owned()));
+        let zero_tick = has_zeros.then_some((y.least, "0".to_owned()));
         let labelled = |tick| (tick, if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") });
-        for (tick, label) in log_ticks((least_tick, y.1)).into_iter().map(labelled).chain(zero_tick) {
-            let (line_start, line_end) =
-                (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
+        for (tick, label) in log_ticks(least_tick, y.most).into_iter().map(labelled).chain(zero_tick) {
+            let (line_start, line_end) = (
+                chart.backend_coord(&(x.least.log10(), tick.log10())),
+                chart.backend_coord(&(x.most.log10(), tick.log10())),
+            );
             root.draw(&PathElement::new([line_start, line_end], grid)).map_err(failed)?;
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Right, VPos::Center));
             root.draw(&Text::new(label, (line_start.0 - 8, line_start.1), style)).map_err(failed)?;
         }
-        let place = |p: &NamedPoint| (p.position[0].log10(), p.position[1].max(y.0).log10());
+        let place = |p: &NamedPoint| (p.position[0].log10(), p.position[1].max(y.least).log10());
         let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
@@ -224,7 +232,7 @@ fn draw_cost_against_error(points: &[NamedPoint], axes: [&str; 2]) -> Result<Str
 
 /// Returns the ticks of a log axis from `least` to `most`: 1, 2 and 5 times powers of ten, or finer steps if fewer than
 /// three of these lie inside.
-fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
+fn log_ticks(least: f64, most: f64) -> Vec<f64> {
     // The products of the steps and powers of ten that lie inside the bounds.
     let inside = |steps: &[f64]| -> Vec<f64> {
         let powers = least.log10().floor() as i32..=most.log10().ceil() as i32;
@@ -237,7 +245,7 @@ fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
 }
 
 /// Draws values over frames, from 0 up, with a line for each of `lines` and the given names of the axes.
-fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
+fn draw_lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
     let legend = line_legend_height(&names);
     let points = || lines.iter().flat_map(|l| &l.points);
@@ -280,10 +288,10 @@ const TREND_NAME: usize = 64;
 
 /// Draws values over runs, from 0 up. The runs stand side by side, marked by their numbers `runs`. Each line joins the
 /// runs for which it has a value.
-pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String, String> {
+pub fn draw_trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String, String> {
     let names: Vec<String> = lines.iter().map(|l| shortened(&l.method, TREND_NAME)).collect();
-    let shown: Vec<&str> = names.iter().map(String::as_str).collect();
-    let legend = line_legend_height(&shown);
+    let legend_names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let legend = line_legend_height(&legend_names);
     let most = lines.iter().flat_map(|l| &l.values).flatten().fold(1e-6_f64, |most, v| most.max(*v));
     let mut svg = String::new();
     {
@@ -321,7 +329,7 @@ pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String
             let points: Vec<_> = line.values.iter().enumerate().filter_map(|(n, v)| Some((n as f64, (*v)?))).collect();
             chart.draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2))).map_err(failed)?;
             chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, color.filled()))).map_err(failed)?;
-            draw_legend_entry(&root, line_legend_place(&shown, n), shown[n], color).map_err(failed)?;
+            draw_legend_entry(&root, line_legend_place(&legend_names, n), legend_names[n], color).map_err(failed)?;
         }
         root.present().map_err(failed)?;
     }
@@ -374,8 +382,8 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        assert_eq!(log_ticks((0.8, 60.0)), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
-        assert_eq!(log_ticks((0.025, 0.045)), [0.03, 0.04]);
+        assert_eq!(log_ticks(0.8, 60.0), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
+        assert_eq!(log_ticks(0.025, 0.045), [0.03, 0.04]);
     }
 
     #[test]

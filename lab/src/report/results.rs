@@ -55,18 +55,15 @@ impl<R: Row> Results<'_, R> {
     }
 
     /// Writes every file into a folder.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) with the file that cannot be written.
     pub fn write(&self, folder: &PathInFolder) -> Result<()> {
         let devices = by_device(self.rows, |r| &r.program().device);
         let mut parts = Vec::new();
         for (n, (device, rows)) in devices.iter().enumerate() {
-            let own_folder = if devices.len() > 1 { folder.join(device_folder(n)) } else { folder.clone() };
-            let mut part = self.part(&own_folder, device, rows)?;
-            self.write_part(&own_folder, rows, &part)?;
+            let target = if devices.len() > 1 { folder.join(device_folder(n)) } else { folder.clone() };
+            let mut part = self.device_part(&target, device, rows)?;
+            self.write_device_files(&target, rows, &part)?;
             if devices.len() > 1 {
-                own_folder.join(PAGE).write(self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
+                target.join(PAGE).write(self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
                 // On the page of all devices, the paths of clips begin with the device's folder.
                 let place = device_folder(n).to_string_lossy().replace('\\', "/");
                 let clips = part.clips.iter_mut().flat_map(|group| &mut group.clips);
@@ -84,7 +81,7 @@ impl<R: Row> Results<'_, R> {
 
     /// Makes the charts, the tables and the clips of one device, whose files lie in `folder`. Clips without a file are
     /// left out.
-    fn part(&self, folder: &PathInFolder, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
+    fn device_part(&self, folder: &PathInFolder, device: &DeviceInfo, rows: &[R]) -> Result<DevicePart> {
         let failed = |e: String| Error::io("draw the charts of", folder.path(), std::io::Error::other(e));
         let mut clips = R::clips(rows);
         // An interrupted run may lack the pictures of rows that it measured.
@@ -95,21 +92,21 @@ impl<R: Row> Results<'_, R> {
     }
 
     /// Writes the files of one device except the page.
-    fn write_part(&self, folder: &PathInFolder, rows: &[R], part: &DevicePart) -> Result<()> {
+    fn write_device_files(&self, folder: &PathInFolder, rows: &[R], part: &DevicePart) -> Result<()> {
         let write = |name: &str, text: &str| folder.join(name).write(text.as_bytes());
         for (stem, rows) in R::files(rows) {
             write(&format!("{stem}.json"), &files::json(&rows))?;
         }
-        for sheet in sheets(rows).into_iter().chain(R::sheets(rows)) {
+        for sheet in declared_sheets(rows).into_iter().chain(R::sheets(rows)) {
             write(&sheet.file, &files::csv(&sheet.cells))?;
         }
         for DrawnChart { chart, svg } in &part.charts {
             write(&format!("{}.svg", chart.stem), svg)?;
         }
-        let all: Vec<Table> = part.tables.iter().cloned().chain(R::common_tables(rows)).collect();
+        let tables: Vec<Table> = part.tables.iter().cloned().chain(R::common_tables(rows)).collect();
         let device = rows.first().map(|r| device_name(&r.program().device)).unwrap_or_default();
-        write(&format!("{}.txt", R::KIND), &format!("{device}\n{}", tables::text(&all)))?;
-        write(&format!("{}.md", R::KIND), &tables::markdown(&all))
+        write(&format!("{}.txt", R::KIND), &format!("{device}\n{}", tables::text(&tables)))?;
+        write(&format!("{}.md", R::KIND), &tables::markdown(&tables))
     }
 
     /// Returns the page of some rows, with a part for each device.
@@ -132,22 +129,23 @@ impl<R: Row> Results<'_, R> {
 /// The name of the page's file.
 pub const PAGE: &str = "index.html";
 
-/// Makes the CSV files that the columns of rows declare: one with a line for each row and, if rows have a series, one
-/// with a line for each item of it, such as a frame of a film.
-fn sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
-    let all = R::columns();
-    let named: Vec<_> = all.columns.iter().filter(|c| !c.name.is_empty()).collect();
+/// Makes the CSV files that the columns of rows declare. One file has a line for each row. If rows have a series, a second
+/// file has a line for each item of the series, such as a frame of a film.
+fn declared_sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
+    let declared = R::columns();
+    let named: Vec<_> = declared.columns.iter().filter(|c| !c.name.is_empty()).collect();
     let header = || named.iter().map(|c| c.name.clone());
     let row_cells = |row: &R| named.iter().map(|c| c.written(row)).collect::<Vec<_>>();
     let cells = std::iter::once(header().collect()).chain(rows.iter().map(row_cells)).collect();
     let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
-    if let Some(series) = &all.series {
+    if let Some(series) = &declared.series {
         // The column of an item's number has the name of the series without its s: `frame` for `frames`.
         let item = series.name.trim_end_matches('s').to_owned();
         // No two columns have one name: for a film, `flip` is the mean, and `frame_flip` the value of a frame.
         let row_names: Vec<String> = header().collect();
-        let name = |name: &String| if row_names.contains(name) { format!("{item}_{name}") } else { name.clone() };
-        let item_names: Vec<String> = series.names.iter().map(name).collect();
+        let unique_name =
+            |name: &String| if row_names.contains(name) { format!("{item}_{name}") } else { name.clone() };
+        let item_names: Vec<String> = series.names.iter().map(unique_name).collect();
         let mut cells = vec![[row_names, vec![item], item_names].concat()];
         for row in rows {
             let items = (series.items)(row).into_iter().enumerate();
@@ -170,7 +168,7 @@ fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io) if it cannot be written, and for a film that is too large for its format.
-pub fn keep(folder: &PathInFolder, file: &ExtraFile) -> Result<()> {
+pub fn write_extra_file(folder: &PathInFolder, file: &ExtraFile) -> Result<()> {
     let path = folder.join(&file.path);
     match &file.content {
         Content::Picture([width, height], bytes) => {

@@ -24,9 +24,6 @@ const MOST_SAMPLES: u64 = 100_000_000;
 const FINISHED: &str = "{\"finished\":true}";
 
 /// True if the last line of a folder's journal says that its run was finished; false if there is no journal.
-///
-/// # Errors
-/// The errors of [`PathInFolder::read`].
 pub fn is_finished(folder: &PathInFolder) -> Result<bool> {
     let text = folder.join(JOURNAL).read()?.unwrap_or_default();
     Ok(String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED))
@@ -47,7 +44,7 @@ impl FolderClaim {
         let inside = PathInFolder::folder(folder);
         inside.make()?;
         inside.check_writable()?;
-        let lock = lockable(folder).map_err(|e| Error::io("open", folder, e))?;
+        let lock = open_for_locking(folder).map_err(|e| Error::io("open", folder, e))?;
         match lock.try_lock() {
             // On a file system without locks, nothing keeps two runs apart.
             Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {}
@@ -74,42 +71,33 @@ impl FolderClaim {
         if !resume && unfinished {
             return Err(Error::Unfinished { folder: self.folder.path(), journal: place.path() });
         }
-        if resume { self.begun(length, &text) } else { self.new_journal() }
+        if resume { self.continued_journal(length, &text) } else { self.new_journal() }
     }
 
     /// Makes a journal that begins anew, whatever the folder has.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) for a file that cannot be written.
     pub fn new_journal(&self) -> Result<Journal> {
-        self.begun(0, "")
+        self.continued_journal(0, "")
     }
 
     /// Makes a journal whose file keeps its first `bytes` bytes, whose text is `known`, and loses what follows them.
-    fn begun(&self, bytes: usize, known: &str) -> Result<Journal> {
+    fn continued_journal(&self, bytes: usize, known: &str) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
         let mut file = place.append()?;
         file.set_len(bytes as u64).map_err(|e| Error::io("write", place.path(), e))?;
-        let to = place.path();
+        let path = place.path();
         let sink =
-            move |line: &str| file.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::io("write", &to, e));
+            move |line: &str| file.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::io("write", &path, e));
         Ok(Journal::resume(known.lines(), Some(Box::new(sink))))
     }
 
     /// Writes the list of the run's cells.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if the file cannot be written.
-    pub fn list(&self, cells: &CellList) -> Result<()> {
+    pub fn write_list(&self, cells: &CellList) -> Result<()> {
         let text = serde_json::to_string_pretty(cells)
             .map_err(|e| Error::io("write", self.folder.join(CELLS).path(), e.into()))?;
         Ok(self.folder.join(CELLS).write(json_text(&format!("{text}\n")).as_bytes())?)
     }
 
     /// Notes that the run is finished, so that the next run may begin anew.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) if the file cannot be written.
     pub fn finish(&self) -> Result<()> {
         let place = self.folder.join(JOURNAL);
         let line = format!("{FINISHED}\n");
@@ -164,9 +152,6 @@ pub fn read(folder: &Path) -> Result<MergeInput> {
 }
 
 /// Returns the keys of all entries in a folder's journal.
-///
-/// # Errors
-/// The errors of [`PathInFolder::read`].
 pub fn keys(folder: &PathInFolder) -> Result<BTreeSet<String>> {
     let bytes = folder.join(JOURNAL).read()?.unwrap_or_default();
     Ok(String::from_utf8_lossy(&bytes).lines().filter_map(journal::key_of).collect())
@@ -174,13 +159,13 @@ pub fn keys(folder: &PathInFolder) -> Result<BTreeSet<String>> {
 
 /// Opens the folder itself for locking, which leaves no file behind.
 #[cfg(unix)]
-fn lockable(folder: &Path) -> std::io::Result<File> {
+fn open_for_locking(folder: &Path) -> std::io::Result<File> {
     File::open(folder)
 }
 
 /// Opens a file in the folder for locking, since this system cannot lock a folder.
 #[cfg(not(unix))]
-fn lockable(folder: &Path) -> std::io::Result<File> {
+fn open_for_locking(folder: &Path) -> std::io::Result<File> {
     PathInFolder::folder(folder).join(".ssct-lock").append().map_err(std::io::Error::other)
 }
 

@@ -44,30 +44,30 @@ pub(super) fn paste(onto: &mut Rgb, image: &Rgb, x: u32, y: u32) {
 
 /// Returns the pixels of a part of a picture as left, top, width and height: at least one pixel, all inside the
 /// picture.
-fn pixels(picture: &Rgb, [x, y, w, h]: Part) -> [u32; 4] {
+fn pixel_bounds(picture: &Rgb, [x, y, w, h]: Part) -> [u32; 4] {
     let place = |share: f32, side: u32| ((share * side as f32).round() as u32).min(side - 1);
     let (x, y) = (place(x, picture.width), place(y, picture.height));
     let size = |share: f32, side: u32, from: u32| ((share * side as f32).round() as u32).clamp(1, side - from);
     [x, y, size(w, picture.width, x), size(h, picture.height, y)]
 }
 
-/// Returns a part of a picture, enlarged by the factor `times`: each pixel becomes a square, and nothing is
+/// Returns a part of a picture, enlarged by the factor `factor`: each pixel becomes a square, and nothing is
 /// interpolated.
-pub fn enlarged(picture: &Rgb, part: Part, times: u32) -> Rgb {
-    let [left, top, width, height] = pixels(picture, part);
-    let mut bytes = Vec::with_capacity(3 * (width * height * times * times) as usize);
-    for y in 0..height * times {
-        for x in 0..width * times {
-            let start = 3 * ((top + y / times) * picture.width + left + x / times) as usize;
+pub fn enlarged(picture: &Rgb, part: Part, factor: u32) -> Rgb {
+    let [left, top, width, height] = pixel_bounds(picture, part);
+    let mut bytes = Vec::with_capacity(3 * (width * height * factor * factor) as usize);
+    for y in 0..height * factor {
+        for x in 0..width * factor {
+            let start = 3 * ((top + y / factor) * picture.width + left + x / factor) as usize;
             bytes.extend_from_slice(&picture.bytes[start..start + 3]);
         }
     }
-    Rgb { width: width * times, height: height * times, bytes }
+    Rgb { width: width * factor, height: height * factor, bytes }
 }
 
 /// The picture with a red frame around a part.
 pub fn framed(picture: &Rgb, part: Part) -> Rgb {
-    let [left, top, width, height] = pixels(picture, part);
+    let [left, top, width, height] = pixel_bounds(picture, part);
     let mut framed = picture.clone();
     for y in top..top + height {
         for x in left..left + width {
@@ -83,14 +83,11 @@ pub fn framed(picture: &Rgb, part: Part) -> Rgb {
 }
 
 /// Returns the absolute difference of two display images, times a factor and at most 255.
-///
-/// # Errors
-/// [`Usage`](ssct::Error::Usage) for images of different sizes.
-pub fn difference(a: &Rgb, b: &Rgb, times: u8) -> Result<Rgb> {
+pub fn difference(a: &Rgb, b: &Rgb, factor: u8) -> Result<Rgb> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(Error::usage(format!("{}x{} and {}x{} can't be compared", a.width, a.height, b.width, b.height)));
     }
-    let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b).saturating_mul(times)).collect();
+    let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b).saturating_mul(factor)).collect();
     Ok(Rgb { bytes, ..*a })
 }
 

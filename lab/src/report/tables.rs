@@ -27,12 +27,12 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
 /// Columns of a terminal that has room for tables.
 pub const COLUMNS: usize = 100;
 
-/// Returns a name and the text `said` about it, wrapped to lines of at most [`COLUMNS`] characters. In each line the
-/// text begins at the column `column`.
-pub fn wrapped(name: &str, column: usize, said: &str) -> String {
+/// Returns a name and a sentence about it, wrapped to lines of at most [`COLUMNS`] characters. In each line the
+/// sentence begins at the column `column`.
+pub fn wrapped(name: &str, column: usize, sentence: &str) -> String {
     let mut text = format!("{name:<column$}");
     let mut end = column;
-    for (n, word) in one_line(said).split(' ').enumerate() {
+    for (n, word) in one_line(sentence).split(' ').enumerate() {
         let width = word.chars().count();
         if n > 0 && end + 1 + width > COLUMNS {
             text.push_str(&format!("\n{:column$}", ""));

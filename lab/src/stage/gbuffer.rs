@@ -21,12 +21,12 @@ pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
 }
 
 /// Reads the G-buffer that a pass drew last; `camera` is the camera of that pass, and the lighting pass wrote the colour.
-fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -> Result<GBufferData> {
-    let gbuffer = drawn.gbuffer();
+fn read_drawn(context: &mut FrameContext, pass: &GBufferPass, camera: Camera) -> Result<GBufferData> {
+    let gbuffer = pass.gbuffer();
     let vectors = |p: Pixels| p.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let depth = context.read(gbuffer.depth.all())?;
     let material = context.read(gbuffer.material.all())?;
-    let albedo = context.read(drawn.albedo().all())?;
+    let albedo = context.read(pass.albedo().all())?;
     let surfaces = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
         // The lighting pass uses this condition, too. Depth is 0 where there is no surface.
         if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
@@ -46,9 +46,6 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
 
 /// Draws captures of a scene. Calls `face` for each face after it is drawn, with the number of the capture, counted
 /// from 0, the number of the face (0…5), and the face's G-buffer, in which sky is black.
-///
-/// # Errors
-/// Errors of the device, and errors that `face` returns.
 pub fn draw_captures(
     stage: &mut Stage,
     materials: &[Material],
@@ -86,9 +83,6 @@ pub struct ReflectedImages {
 }
 
 /// Runs a method on a G-buffer from the host, with captures if there are any; the size in `setup` is replaced by the G-buffer's.
-///
-/// # Errors
-/// Errors of [`Effect::new`], [`Effect::with_captures`], [`CaptureFolder::face`] and [`CaptureFolder::sky`].
 pub fn reflect(
     gpu: &Gpu,
     data: &GBufferData,
@@ -107,7 +101,7 @@ pub fn reflect(
             let images = CaptureImages::of_faces(&mut context, folder.captures(), |capture, face| {
                 Ok(folder.face(capture, face)?)
             })?;
-            let images = images.within(folder.bounds());
+            let images = images.with_bounds(folder.bounds());
             Effect::with_captures(&mut context, method, &setup, wants, images)?
         }
         None => Effect::new(&mut context, method, &setup, wants, None)?,
@@ -118,15 +112,12 @@ pub fn reflect(
         sky => sky,
     };
     let input = Input { sky: sky.as_ref(), ..Input::of_screen(images.gbuffer(), &data.camera) };
-    reflected(&mut context, &effect, &input)
+    reflect_and_read(&mut context, &effect, &input)
 }
 
 /// Runs a method on a G-buffer from the host that shows `scene`, for methods that see more than the screen. Rays that
 /// the screen loses are followed among the scene's triangles, which have the scene's own materials. Which triangle a
 /// pixel shows is not known.
-///
-/// # Errors
-/// Errors of [`Stage::new`] and [`Effect::new`].
 pub fn reflect_in(
     gpu: &Gpu,
     scene: &Scene,
@@ -142,11 +133,11 @@ pub fn reflect_in(
     let effect = Effect::new(context, method, &setup, Wants::REFLECTION, Some(&scene_input))?;
     let screen_input = Input::of_screen(images.gbuffer(), &data.camera);
     let input = Input { scene: Some(scene_input), sky: Some(scene_data.sky()), ..screen_input };
-    reflected(context, &effect, &input)
+    reflect_and_read(context, &effect, &input)
 }
 
 /// Runs an effect on a G-buffer at rest, and reads the images that it made.
-fn reflected(context: &mut FrameContext, effect: &Effect, input: &Input) -> Result<ReflectedImages> {
+fn reflect_and_read(context: &mut FrameContext, effect: &Effect, input: &Input) -> Result<ReflectedImages> {
     let output = reflect_at_rest(context, effect, input)?;
     Ok(ReflectedImages {
         composite: context.read(output.composite.level(0))?,
@@ -182,8 +173,8 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
     }
 }
 
-/// Returns the ends of a method's rays in the world, pixel by pixel: the place of a hit on the screen, in a capture or
-/// on a triangle, the sky, or unknown where a ray misses. `hits` is the image of [`ssct::passes::Hits`], of the
+/// Returns the end of each pixel's ray in the world: the place of a hit on the screen, in a capture or on a triangle; the
+/// sky; or unknown where the ray misses. `hits` is the image of [`ssct::passes::Hits`], of the
 /// G-buffer's size.
 pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let clip_to_view = gbuffer.view_to_clip().inverse();

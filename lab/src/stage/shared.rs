@@ -34,9 +34,6 @@ struct SharedGBuffer {
 
 impl SharedImages {
     /// Makes a shot that draws into shared images where they fit, and into new images otherwise.
-    ///
-    /// # Errors
-    /// Errors of the device, and of data that the method cannot prepare.
     pub fn shot(
         &mut self,
         stage: &mut Stage,
@@ -56,17 +53,14 @@ impl SharedImages {
         let fits =
             |known: &&SharedGBuffer| known.pass.albedo().extent() == setup.extent && known.is_numbered == is_numbered;
         let known = self.gbuffers.iter().find(fits).map(|known| Rc::clone(&known.pass));
-        let new = if is_numbered { GBufferPass::numbered } else { GBufferPass::new };
-        let gbuffer = known.map_or_else(|| new(gpu, setup.extent).map(Rc::new), Ok)?;
+        let make_pass = if is_numbered { GBufferPass::numbered } else { GBufferPass::new };
+        let gbuffer = known.map_or_else(|| make_pass(gpu, setup.extent).map(Rc::new), Ok)?;
         let shot = Shot { gbuffer, lighting: LightingPass::new(gpu)?, effect, camera, materials };
-        self.of_shot(&shot);
+        self.entry_of(&shot);
         Ok(shot)
     }
 
     /// Makes shots of several methods, each with its setup.
-    ///
-    /// # Errors
-    /// Errors of the device, and of data that a method cannot prepare.
     pub fn shots<'m>(
         &mut self,
         stage: &mut Stage,
@@ -85,7 +79,7 @@ impl SharedImages {
     }
 
     /// Returns the entry of a shot's G-buffer, which is added if there is none yet.
-    fn of_shot(&mut self, shot: &Shot) -> &mut SharedGBuffer {
+    fn entry_of(&mut self, shot: &Shot) -> &mut SharedGBuffer {
         let has_gbuffer = |known: &SharedGBuffer| Rc::ptr_eq(&known.pass, &shot.gbuffer);
         let index = self.gbuffers.iter().position(has_gbuffer).unwrap_or_else(|| {
             let is_numbered = shot.effect.wants_triangles();
@@ -97,11 +91,8 @@ impl SharedImages {
 
     /// Draws the scene into the G-buffer of a shot, unless it is drawn there already. Returns the report of the frame
     /// that drew the scene, and the counts of drawn meshes.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn draw(&mut self, stage: &mut Stage, mode: Mode, shot: &Shot) -> Result<&(FrameReport, DrawnCounts)> {
-        match &mut self.of_shot(shot).drawn {
+        match &mut self.entry_of(shot).drawn {
             Some(drawn) => Ok(drawn),
             none => Ok(none.insert(stage.draw_in(mode, shot)?)),
         }
@@ -109,9 +100,6 @@ impl SharedImages {
 
     /// Runs one frame of a shot on its G-buffer, into which the scene is drawn first if it is not drawn there yet. The
     /// report also has the scene passes, with their times and work in the frame in which they ran.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn output<'s>(
         &mut self,
         stage: &mut Stage,
@@ -124,9 +112,6 @@ impl SharedImages {
     }
 
     /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn settle(&mut self, stage: &mut Stage, shot: &Shot) -> Result<()> {
         shot.effect.restart_history();
         (1..shot.frames_at_rest()).try_for_each(|_| self.output(stage, Mode::Plain, shot).map(drop))
@@ -134,9 +119,6 @@ impl SharedImages {
 
     /// Draws the image of a camera at rest. A history begins anew, and the image is the last of the frames that it
     /// averages. Nothing moves, so the scene is drawn once for all these frames.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn output_at_rest<'s>(
         &mut self,
         stage: &mut Stage,

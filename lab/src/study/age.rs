@@ -2,6 +2,7 @@
 //! frame is compared with a world reference of the moved scene (docs/definitions.md, "Captures in time").
 
 use super::columns::{Column, columns, figure, part, series, time};
+use super::compare::rgb;
 use super::engine::{Bench, Planned, Row, Study};
 use super::exhibit::{Chart, Drawing, Line, Table};
 use super::journal::scene_digest;
@@ -227,13 +228,13 @@ impl Study for AgeStudy {
                 (bench.go_on)()?;
                 let (report, _, output) = stage.output_in(Mode::Timed, shot)?;
                 let reflection = gbuffer::reflection(&mut stage.context, &output)?;
-                let colors: Vec<[f32; 3]> = reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();
+                let colors = rgb(&reflection);
                 let truth = match &mut truth {
                     Some(truth) => truth,
                     // Every row draws the same G-buffer, so that one truth serves all rows of a frame.
-                    not_traced_yet => {
+                    empty => {
                         let screen = gbuffer::read(&mut stage.context, shot)?;
-                        not_traced_yet.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
+                        empty.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
                     }
                 };
                 let sum_ms = |includes: &dyn Fn(&str) -> bool| {
@@ -260,12 +261,16 @@ impl Study for AgeStudy {
 /// `per_frame` of them in each frame, before the frame is shown. A face that was never renewed is as old as the frame's
 /// number.
 pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
+    if faces == 0 {
+        return 0.0;
+    }
     let renewed = per_frame.min(faces);
-    // The face drawn last has the place 0, the one drawn before it the place 1, and so on: `renewed` places have each
-    // age.
-    let age = |place: u32| (place / renewed.max(1)).min(frame);
-    let ages: u32 = if renewed == 0 { faces * frame } else { (0..faces).map(age).sum() };
-    if faces == 0 { 0.0 } else { f64::from(ages) / f64::from(faces) }
+    if renewed == 0 {
+        return f64::from(frame);
+    }
+    // Faces are ranked by when they were drawn: rank 0 is the face drawn last. `renewed` ranks have each age.
+    let age = |rank: u32| (rank / renewed).min(frame);
+    f64::from((0..faces).map(age).sum::<u32>()) / f64::from(faces)
 }
 
 /// The world reference of a frame; its lists have an element for each pixel, rows from the top.
@@ -289,22 +294,22 @@ impl Truth {
         }
         let world = World::new(&scene, materials);
         let first_hits = FirstHits::shown(&world, &screen);
-        // Returns the reflection colours in a world, and their standard error. The seed of the reference is 2.
-        let traced = |world: &World| {
+        // Returns the reflection colours in a world, and their standard error.
+        let trace = |world: &World| {
+            let seed = 2;
             let reference =
-                WorldReference::new(world, &first_hits, &screen.camera, 2).with_bounces(setup.effect().bounces);
+                WorldReference::new(world, &first_hits, &screen.camera, seed).with_bounces(setup.effect().bounces);
             let mut state = reference.start();
             reference.add(&mut state, study.rays);
             let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
             (color, state.overall_standard_error())
         };
-        let (color, standard_error) = traced(&world);
+        let (color, standard_error) = trace(&world);
         // One seed traces the same rays in both scenes, so that colours are equal to the bit unless a ray meets a moved
         // mesh.
-        let (color_before, _) = traced(&World::new(&study.scene, materials));
+        let (color_before, _) = trace(&World::new(&study.scene, materials));
         let mask = screen.reflecting();
-        let colors = color.iter().zip(&color_before);
-        let touched = colors.zip(&mask).map(|((now, before), reflects)| *reflects && now != before).collect();
+        let touched = (0..mask.len()).map(|pixel| mask[pixel] && color[pixel] != color_before[pixel]).collect();
         Self { color, mask, touched, standard_error }
     }
 

@@ -2,11 +2,11 @@
 //! two devices draw of one view.
 
 use super::columns::{Column, columns, figure, part};
-use super::compare::display;
+use super::compare::{display, rgb};
 use super::exhibit::Table;
 use super::names::name_among;
 use super::record::{Head, RecordSubject};
-use super::ties::is_tie;
+use super::ties::{are_mirrors, is_tie};
 use crate::error::Result;
 use crate::stage::gbuffer::{self, hit_positions, reflect_at_rest};
 use crate::stage::{Globals, Shot, Stage};
@@ -142,9 +142,9 @@ impl DrawnRecord {
     pub fn table(rows: &[Self]) -> Table {
         let [device, beside] = devices(rows, |r: &Self| [&r.device, &r.base]);
         let bits = |p: &Precision| format!("{}/{}/{}", p.sub_pixel_bits, p.sub_texel_bits, p.mipmap_bits);
-        let here = Column::derived("bits", 0, move |r: &Self| bits(&r.precision[1]));
-        let there = Column::derived("bits there", 0, move |r: &Self| bits(&r.precision[0]));
-        let table = Table::with_columns("drawn", rows, [device, beside, here, there]);
+        let device_bits = Column::derived("bits", 0, move |r: &Self| bits(&r.precision[1]));
+        let base_bits = Column::derived("bits there", 0, move |r: &Self| bits(&r.precision[0]));
+        let table = Table::with_columns("drawn", rows, [device, beside, device_bits, base_bits]);
         Table { title: "G-buffers, share of other pixels".to_owned(), about: ABOUT_DRAWN.to_owned(), ..table }
     }
 }
@@ -197,36 +197,26 @@ pub fn compare(
     base: &DeviceInfo,
     spec: &AgreementSpec,
     data: &GBufferData,
-    [theirs, ours]: [&[DeviceImage]; 2],
+    [base_images, device_images]: [&[DeviceImage]; 2],
 ) -> Vec<AgreementRecord> {
-    let (base_images, device_images) = (theirs, ours);
-    let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
-    let extent = [data.width, data.height];
-    let setup = spec.setup.with_extent(extent);
+    let mask = data.reflecting();
+    let (place, setup) = ((spec.scene, spec.view), spec.setup.with_extent([data.width, data.height]));
     let record = |(base_image, image): (&DeviceImage, &DeviceImage)| {
-        let colors = [base_image, image].map(|made| colors(&made.reflection));
+        let colors = [base_image, image].map(|made| rgb(&made.reflection));
         let display = colors.each_ref().map(|c| display(c));
         let hit_images = base_image.hits.as_ref().zip(image.hits.as_ref());
         let positions = hit_images.map(|(base, other)| [hit_positions(base), hit_positions(other)]);
         let version = setup.effect().oracle;
         // Ties are found for mirrors alone, by version 1 of the oracle.
-        let all_mirrors = mask.iter().zip(&data.roughness).all(|(reflects, roughness)| !reflects || *roughness <= 0.0);
-        let can_tie = image.method.follows_oracle && version.is_first() && all_mirrors;
-        let ties = positions.as_ref().filter(|_| can_tie).map(|positions| count_ties(data, &mask, positions));
+        let can_tie = image.method.follows_oracle && version.is_first() && are_mirrors(data);
+        let apart_and_ties = positions.as_ref().filter(|_| can_tie).map(|hits| count_apart_and_ties(data, &mask, hits));
         AgreementRecord {
-            head: Head::new(
-                "agreement",
-                gpu,
-                (spec.scene, spec.view),
-                RecordSubject::Method(image.method),
-                &setup,
-                &spec.globals,
-            ),
+            head: Head::new("agreement", gpu, place, RecordSubject::Method(image.method), &setup, &spec.globals),
             base: base.clone(),
             pixels: mask.iter().filter(|reflects| **reflects).count(),
             hits: positions.map(|[base, other]| HitAgreement::new(&mask, &other, &base)).unwrap_or_default(),
-            apart: ties.map(|(apart, _)| apart),
-            ties: ties.map(|(_, ties)| ties),
+            apart: apart_and_ties.map(|(apart, _)| apart),
+            ties: apart_and_ties.map(|(_, ties)| ties),
             rmse: masked_rmse(&colors[0], &colors[1], &mask),
             flip: FlipMap::new(&display[0], &display[1], data.width, data.height).mean(),
         }
@@ -237,7 +227,11 @@ pub fn compare(
 /// Counts the reflecting pixels whose hits differ between two devices, and how many of these pixels differ by rounding
 /// alone; the result has the two numbers in this order. `mask` says which pixels reflect. `base` and `other` have each
 /// pixel's hit by the two devices, in pixels, or `None` for a miss.
-fn count_ties(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
+fn count_apart_and_ties(
+    data: &GBufferData,
+    mask: &[bool],
+    [base, other]: &[Vec<Option<[f64; 2]>>; 2],
+) -> (usize, usize) {
     let is_apart = |i: &usize| mask[*i] && HitVerdict::compare(other[*i], base[*i]) != HitVerdict::Agrees;
     let apart: Vec<usize> = (0..mask.len()).filter(is_apart).collect();
     let hierarchy = Hierarchy::new(data);
@@ -260,11 +254,11 @@ pub fn compare_drawn(
     let view_depth_m = |reversed: f32| base.camera.lens.near_m / reversed.max(f32::MIN_POSITIVE);
     let is_same_surface = |i: &usize| {
         let (a, b) = (base.depth[*i], drawn.depth[*i]);
-        let (za, zb) = (view_depth_m(a), view_depth_m(b));
-        (a > 0.0) == (b > 0.0) && base.surface[*i] == drawn.surface[*i] && (za - zb).abs() <= 0.01 * za.max(zb)
+        let (a_m, b_m) = (view_depth_m(a), view_depth_m(b));
+        (a > 0.0) == (b > 0.0) && base.surface[*i] == drawn.surface[*i] && (a_m - b_m).abs() <= 0.01 * a_m.max(b_m)
     };
-    let all = base.depth.len();
-    let same: Vec<usize> = (0..all).filter(is_same_surface).collect();
+    let pixels = base.depth.len();
+    let same: Vec<usize> = (0..pixels).filter(is_same_surface).collect();
     let share = |count: usize, total: usize| count as f64 / total.max(1) as f64;
     let has_other_normal = |i: &&usize| base.normal[**i].angle_between(drawn.normal[**i]) > 2.0_f32.to_radians();
     let has_other_color = |i: &&usize| (base.color[**i] - drawn.color[**i]).abs().max_element() > 0.02;
@@ -280,14 +274,9 @@ pub fn compare_drawn(
         height: base.height,
         isotropic,
         plain_normals: spec.globals.normal_deviation == Some(0.0),
-        other_surface: share(all - same.len(), all),
+        other_surface: share(pixels - same.len(), pixels),
         other_normal: share(same.iter().filter(has_other_normal).count(), same.len()),
         other_color: share(same.iter().filter(has_other_color).count(), same.len()),
         rmse: (squares / same.len().max(1) as f64).sqrt(),
     }
-}
-
-/// Red, green and blue of each pixel.
-fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
-    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }

@@ -55,16 +55,14 @@ const ABOUT: &str = "For the passes that make a pyramid of depth: the bytes that
     for other things than bytes.";
 
 impl BandwidthRecord {
-    /// The rates as a table.
+    /// Makes the table of the rates.
     pub fn table(rows: &[Self]) -> Table {
         Table { title: "Rates".to_owned(), about: ABOUT.to_owned(), ..Table::of_rows("rates", rows) }
     }
-}
 
-impl BandwidthRecord {
     /// Makes the record of a pass that reads and writes `bytes` bytes in `median_ms` milliseconds. `copy_gb_per_s` is
     /// the rate of the copy in 10⁹ bytes a second; 0 makes the record of the copy itself. The record has no method and
-    /// no view; [`of_passes`] sets those of a pass.
+    /// no view; [`pass_rates`] sets those of a pass.
     fn new(
         program: Provenance,
         pass: &str,
@@ -96,7 +94,7 @@ impl BandwidthRecord {
 ///
 /// # Errors
 /// Errors of the device.
-pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
+pub fn time_copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
     use vk::ImageUsageFlags as U;
     let (extent, usage) = ([side; 2], U::TRANSFER_SRC | U::TRANSFER_DST);
     let desc = |name| ImageDesc { name, format: vk::Format::R32_SFLOAT, extent, levels: 1, layers: 1, usage };
@@ -118,7 +116,7 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
 
 /// Returns the rates of those passes of a time record that build a pyramid of depth: the pyramid of `unified`, and the
 /// Hi-Z chain as a whole. `copy` is the rate that they are compared with, and is not among the result.
-pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
+pub fn pass_rates(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
     let extent = [record.head.width, record.head.height];
     let pass_rate = |pass: &str, bytes: u64, median_ms: f64| BandwidthRecord {
         method: Some(record.head.variant()),
@@ -127,8 +125,8 @@ pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRe
     };
     let pyramid_pass = record.passes.iter().find(|p| p.name == PYRAMID);
     let pyramid = pyramid_pass.map(|p| pass_rate(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));
-    let levels = record.passes.iter().filter(|p| p.name.starts_with(HI_Z)).map(|p| p.stats.median_ms);
-    let hi_z_ms: f64 = levels.sum();
+    let hi_z_levels = record.passes.iter().filter(|p| p.name.starts_with(HI_Z));
+    let hi_z_ms: f64 = hi_z_levels.map(|p| p.stats.median_ms).sum();
     let hi_z = (hi_z_ms > 0.0).then(|| pass_rate("hi-z", hi_z_bytes(extent), hi_z_ms));
     pyramid.into_iter().chain(hi_z).collect()
 }

@@ -1,10 +1,10 @@
 //! The times in the captions of the thesis's figures 5.2 to 5.9, beside times measured here. Only the ratio of a figure's two
 //! times can be compared between machines.
 
+use super::TimeRecord;
 use super::exhibit::Table;
-use super::names::roughness;
+use super::names::roughness_name;
 use super::record::{Head, RecordSubject};
-use super::{Stats, TimeRecord};
 use crate::stage::Globals;
 use serde::Serialize;
 use ssct::gpu::Gpu;
@@ -37,7 +37,6 @@ pub struct Caption {
     pub other_ms: f64,
 }
 
-/// Makes a caption from the values of its fields.
 const fn caption(
     figure: &'static str,
     [scene, view]: [&'static str; 2],
@@ -101,7 +100,7 @@ pub fn time_reference(
 
 /// The time of SSCT, the other time of the caption, and their ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Pair {
+pub struct TimePair {
     /// Milliseconds of SSCT.
     pub ssct_ms: f64,
     /// Milliseconds of the other method or of the reference.
@@ -110,7 +109,7 @@ pub struct Pair {
     pub ratio: f64,
 }
 
-impl Pair {
+impl TimePair {
     /// Makes a pair of two times in milliseconds.
     fn new(ssct_ms: f64, other_ms: f64) -> Self {
         Self { ssct_ms, other_ms, ratio: other_ms / ssct_ms }
@@ -125,33 +124,33 @@ pub struct ComparedCaption {
     /// Roughness of the measurement; the captions give none.
     pub roughness: Option<f32>,
     /// Times in print.
-    pub published: Pair,
+    pub published: TimePair,
     /// Times measured here; `None` where one of the two is missing.
-    pub measured: Option<Pair>,
+    pub measured: Option<TimePair>,
 }
 
 /// Compares captions with measurements of the same view and size. The result has a row for each caption and each record
 /// of SSCT, of which there is one for each roughness.
 pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<ComparedCaption> {
-    let is_of_caption =
-        |head: &Head, caption: &Caption| head.view == caption.view && [head.width, head.height] == caption.size;
-    let rows = CAPTIONS.iter().flat_map(|caption| {
-        let measured = records.iter().filter(move |r| is_of_caption(&r.head, caption));
-        measured.clone().filter(|r| r.head.method == "ssct").map(move |ssct| {
-            let is_other = |head: &Head| head.method == caption.other && head.roughness == ssct.head.roughness;
-            let method_ms = measured.clone().find(|r| is_other(&r.head)).map(|r| r.total.median_ms);
-            let reference = references.iter().find(|r| is_of_caption(&r.head, caption) && is_other(&r.head));
-            let reference_ms = reference.map(|r| r.wall_ms);
-            let Stats { median_ms, .. } = ssct.total;
-            ComparedCaption {
-                caption: *caption,
+    let mut rows = Vec::new();
+    for caption in CAPTIONS {
+        let is_of_caption = |head: &Head| head.view == caption.view && [head.width, head.height] == caption.size;
+        for ssct in records.iter().filter(|r| is_of_caption(&r.head) && r.head.method == "ssct") {
+            let is_other = |head: &Head| {
+                is_of_caption(head) && head.method == caption.other && head.roughness == ssct.head.roughness
+            };
+            let method_ms = records.iter().find(|r| is_other(&r.head)).map(|r| r.total.median_ms);
+            let reference_ms = references.iter().find(|r| is_other(&r.head)).map(|r| r.wall_ms);
+            let other_ms = method_ms.or(reference_ms);
+            rows.push(ComparedCaption {
+                caption,
                 roughness: ssct.head.roughness,
-                published: Pair::new(caption.ssct_ms, caption.other_ms),
-                measured: method_ms.or(reference_ms).map(|other_ms| Pair::new(median_ms, other_ms)),
-            }
-        })
-    });
-    rows.collect()
+                published: TimePair::new(caption.ssct_ms, caption.other_ms),
+                measured: other_ms.map(|other_ms| TimePair::new(ssct.total.median_ms, other_ms)),
+            });
+        }
+    }
+    rows
 }
 
 /// The table of the captions beside times measured here, with a note on the reference that stands in for Mitsuba.
@@ -188,7 +187,7 @@ fn cells(rows: &[ComparedCaption]) -> Vec<Vec<String>> {
     for row in rows {
         let c = row.caption;
         let other = if c.other == REFERENCE { "Mitsuba".into() } else { c.other.to_uppercase() };
-        let number = |pair: Option<Pair>, value: fn(&Pair) -> f64| match pair {
+        let number = |pair: Option<TimePair>, value: fn(&TimePair) -> f64| match pair {
             Some(pair) => format!("{:.2}", value(&pair)),
             None => "-".into(),
         };
@@ -196,7 +195,7 @@ fn cells(rows: &[ComparedCaption]) -> Vec<Vec<String>> {
             c.figure.to_owned(),
             c.view.to_owned(),
             format!("{} x {}", c.size[0], c.size[1]),
-            roughness(row.roughness),
+            roughness_name(row.roughness),
             other,
             number(Some(row.published), |p| p.ssct_ms),
             number(Some(row.published), |p| p.other_ms),

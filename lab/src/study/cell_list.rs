@@ -41,7 +41,8 @@ pub struct ListedCell {
     /// A digest of everything, except the device and the program, that the cell depends on.
     pub setup: String,
     /// Whether this run measures the cell.
-    pub own: bool,
+    #[serde(rename = "own")]
+    pub is_own: bool,
     /// Where the journal keeps the results of the cell.
     pub results: Vec<ListedResult>,
 }
@@ -98,15 +99,13 @@ impl CellList {
     pub fn new(head: CellListHead, device: &DeviceInfo, cells: Vec<PlannedCell>) -> Self {
         let CellListHead { kind, definitions, command, shard, settings, scenes } = head;
         let setups: Vec<String> = cells.iter().map(|cell| setup_digest(&cell.setup)).collect();
-        let shard_of_each = shard.map(|shard| owners(&setups, shard.count));
-        let is_own = |index: usize| match (shard, &shard_of_each) {
-            (Some(shard), Some(shard_of_each)) => shard_of_each[index] == shard.index,
-            _ => true,
-        };
+        let shard_and_owners = shard.map(|shard| (shard, owners(&setups, shard.count)));
+        let is_own =
+            |index: usize| shard_and_owners.as_ref().is_none_or(|(shard, owners)| owners[index] == shard.index);
         let listed = cells.into_iter().zip(setups).enumerate().map(|(index, (cell, setup))| {
             let result = |(key, record_head)| ListedResult { device: 0, key, record_head };
             let results = if is_own(index) { cell.results.into_iter().map(result).collect() } else { Vec::new() };
-            ListedCell { name: cell.name, setup, own: is_own(index), results }
+            ListedCell { name: cell.name, setup, is_own: is_own(index), results }
         });
         Self {
             kind: kind.to_owned(),
@@ -122,20 +121,15 @@ impl CellList {
         }
     }
 
-    /// Whether this run measures the cell with the index `cell` in the list; false if there is no such cell.
-    pub fn owns(&self, cell: usize) -> bool {
-        self.cells.get(cell).is_some_and(|c| c.own)
-    }
-
     /// Returns those elements of `all` whose cells this run measures; `all` has an element for each cell, in the list's
     /// order.
-    pub fn own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
-        all.iter().enumerate().filter(|(index, _)| self.owns(*index)).map(|(_, cell)| cell)
+    pub fn select_own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
+        all.iter().zip(&self.cells).filter(|(_, cell)| cell.is_own).map(|(element, _)| element)
     }
 
-    /// How many cells this run measures.
-    pub fn owned(&self) -> usize {
-        self.cells.iter().filter(|c| c.own).count()
+    /// Returns how many cells this run measures.
+    pub fn count_own(&self) -> usize {
+        self.cells.iter().filter(|c| c.is_own).count()
     }
 
     /// Returns names and values of the properties in which two runs of one study must be equal, in the order in which

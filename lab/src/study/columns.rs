@@ -45,7 +45,7 @@ as_datum! {
     u32: |n| Datum::Count((*n).into()),
     u64: |n| Datum::Count(*n),
     usize: |n| Datum::Count(*n as u64),
-    bool: |is| Datum::Text(if *is { "yes" } else { "no" }.to_owned()),
+    bool: |v| Datum::Text(if *v { "yes" } else { "no" }.to_owned()),
     String: |text| Datum::Text(text.clone()),
 }
 
@@ -118,12 +118,12 @@ impl<R: 'static> Column<R> {
         Self { name: name.to_owned(), title: String::new(), about: "", form: Form::PLAIN, value }
     }
 
-    /// The value as a table shows it.
+    /// Returns the value as a table shows it.
     pub fn shown(&self, row: &R) -> String {
         self.form.text(&(self.value)(row))
     }
 
-    /// The value, if it is a [`Datum::Number`].
+    /// Returns the value, if it is a [`Datum::Number`].
     pub fn number(&self, row: &R) -> Option<f64> {
         if let Datum::Number(v) = (self.value)(row) { Some(v) } else { None }
     }
@@ -134,7 +134,7 @@ impl<R: 'static> Column<R> {
         self.form.text(&number.datum())
     }
 
-    /// The value as a CSV file has it; a number has all its digits.
+    /// Returns the value as a CSV file has it; a number has all its digits.
     pub fn written(&self, row: &R) -> String {
         match (self.value)(row) {
             Datum::Nothing => String::new(),
@@ -233,22 +233,22 @@ impl Scalar {
         self
     }
 
-    /// Adds the column of the field to the columns `to` of its row. The pair has the field's name and its doc comment;
+    /// Adds the column of the field to the columns of its row. The pair has the field's name and its doc comment;
     /// `get` returns the field of a row.
     pub fn add<R: 'static, T: AsDatum + 'static>(
         self,
         (name, about): (&'static str, &'static str),
         get: fn(&R) -> &T,
-        to: &mut ColumnSet<R>,
+        row_columns: &mut ColumnSet<R>,
     ) {
         if self.is_time {
-            to.times.insert(name);
+            row_columns.times.insert(name);
         }
-        to.ranges.insert(name, self.range);
+        row_columns.ranges.insert(name, self.range);
         let (name, title) = (name.to_owned(), self.title.to_owned());
         let form = self.form;
         let value: Value<R> = Rc::new(move |row| get(row).datum());
-        to.columns.push(Column { name, title, about, form, value });
+        row_columns.columns.push(Column { name, title, about, form, value });
     }
 }
 
@@ -270,18 +270,18 @@ pub const fn nested(title: &'static str) -> Part {
 }
 
 impl Part {
-    /// Adds the columns of the field to the columns `to` of its row. The pair has the field's name and its doc comment,
+    /// Adds the columns of the field to the columns of its row. The pair has the field's name and its doc comment,
     /// which is not used; `get` returns the field of a row.
     pub fn add<R: 'static, T: Columns>(
         self,
         (name, _): (&'static str, &'static str),
         get: fn(&R) -> &T,
-        to: &mut ColumnSet<R>,
+        row_columns: &mut ColumnSet<R>,
     ) {
-        let own = T::columns();
-        to.times.extend(own.times);
-        to.ranges.extend(own.ranges);
-        to.columns.extend(own.columns.iter().map(|column| {
+        let part = T::columns();
+        row_columns.times.extend(part.times);
+        row_columns.ranges.extend(part.ranges);
+        row_columns.columns.extend(part.columns.iter().map(|column| {
             let mut column = column.within(get);
             if let Some(title) = self.prefix {
                 column.name = format!("{name}.{}", column.name);
@@ -307,9 +307,9 @@ impl Times {
         self,
         (name, _): (&'static str, &'static str),
         _get: fn(&R) -> &T,
-        to: &mut ColumnSet<R>,
+        row_columns: &mut ColumnSet<R>,
     ) {
-        to.times.insert(name);
+        row_columns.times.insert(name);
     }
 }
 
@@ -322,24 +322,23 @@ pub const fn series() -> List {
 }
 
 impl List {
-    /// Makes the list the series of its row's columns `to`, replacing any other. The field's name comes first in the
+    /// Makes the list the series of its row's columns, replacing any other. The field's name comes first in the
     /// pair; `get` returns the list of a row.
     pub fn add<R: 'static, T: Columns>(
         self,
         (name, _): (&'static str, &'static str),
         get: fn(&R) -> &Vec<T>,
-        to: &mut ColumnSet<R>,
+        row_columns: &mut ColumnSet<R>,
     ) {
-        let own = T::columns();
-        to.times.extend(own.times);
-        to.ranges.extend(own.ranges);
-        let names = own.columns.iter().map(|c| c.name.clone()).collect();
-        let columns = own.columns;
+        let ColumnSet { columns, times, ranges, .. } = T::columns();
+        row_columns.times.extend(times);
+        row_columns.ranges.extend(ranges);
+        let names = columns.iter().map(|c| c.name.clone()).collect();
         let items = move |row: &R| {
             let cells = |item: &T| columns.iter().map(|c| c.written(item)).collect();
             get(row).iter().map(cells).collect()
         };
-        to.series = Some(Series { name, names, items: Rc::new(items) });
+        row_columns.series = Some(Series { name, names, items: Rc::new(items) });
     }
 }
 
@@ -377,7 +376,7 @@ macro_rules! columns {
 macro_rules! measured_columns {
     (
         $(#[$about:meta])*
-        $vis:vis struct $Row:ident by $find:ident($source:ident: $Source:ty) {
+        $vis:vis struct $Row:ident by $measure:ident($source:ident: $Source:ty) {
             $(
                 $(#[$($attribute:tt)+])*
                 pub $name:ident: $type:ty = $column:expr => $value:expr
@@ -392,7 +391,7 @@ macro_rules! measured_columns {
         }
 
         impl $Row {
-            fn $find($source: $Source) -> Self {
+            fn $measure($source: $Source) -> Self {
                 Self { $( $name: $value, )* }
             }
         }

@@ -7,13 +7,13 @@ mod samples;
 mod settings;
 mod subject;
 
-pub use self::images::{ImageComparison, LinearImage, display, images};
-pub use self::rows::{SUBJECT_COLUMNS, cells, ordered, own_note, shown_drift, subject_labels};
+pub use self::images::{ImageComparison, LinearImage, display, images, rgb};
+pub use self::rows::{SUBJECT_COLUMNS, cells, note_on_own, ordered, shown_drift, subject_labels};
 pub use self::samples::{Run, TimeSample};
 pub use self::settings::{Selection, in_turns, settings};
 pub use self::subject::Subject;
 
-use self::samples::{Group, Samples, groups_of_both};
+use self::samples::{Samples, SubjectSamples, both_by_subject};
 use super::record::{DEFINITIONS, Provenance, Stats};
 use serde::Serialize;
 use ssct::gpu::DeviceInfo;
@@ -257,22 +257,23 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
         let same = format!("A and B are one run, {SAME_SAMPLES}");
         comparison.warning = Some(std::iter::once(same).chain(comparison.warning).collect::<Vec<_>>().join("; "));
     }
-    let [groups_a, groups_b] = groups_of_both(a, b);
-    let index_of = |subject: &Subject, groups: &'_ [Group]| groups.iter().position(|(known, _)| known == subject);
+    let [all_of_a, all_of_b] = both_by_subject(a, b);
     let mut records = Vec::new();
     let mut only_in_b = Vec::new();
-    for (subject, passes) in &groups_a {
-        let passes_of_b = index_of(subject, &groups_b).map_or(&[][..], |index| &groups_b[index].1);
-        let differs = nearest(&groups_b, subject).map(|b| subject.differences(b).join("; "));
+    for SubjectSamples { subject, passes } in &all_of_a {
+        let in_b = all_of_b.iter().find(|of_b| of_b.subject == *subject);
+        let passes_of_b = in_b.map_or(&[][..], |of_b| &of_b.passes);
+        let differs = nearest(&all_of_b, subject).map(|b| subject.differences(b).join("; "));
         for record in comparison.records(subject, [passes, passes_of_b], false) {
             let is_of_b = record.only_in == Some(Side::B);
             let differs = differs.clone().filter(|_| record.only_in.is_some());
-            let to = if is_of_b { &mut only_in_b } else { &mut records };
-            to.push(TimeComparison { differs, ..record });
+            let list = if is_of_b { &mut only_in_b } else { &mut records };
+            list.push(TimeComparison { differs, ..record });
         }
     }
-    for (subject, passes) in groups_b.iter().filter(|(subject, _)| index_of(subject, &groups_a).is_none()) {
-        let differs = nearest(&groups_a, subject).map(|a| a.differences(subject).join("; "));
+    let is_in_a = |subject: &Subject| all_of_a.iter().any(|of_a| of_a.subject == *subject);
+    for SubjectSamples { subject, passes } in all_of_b.iter().filter(|of_b| !is_in_a(&of_b.subject)) {
+        let differs = nearest(&all_of_a, subject).map(|a| a.differences(subject).join("; "));
         let records_of_b = comparison.records(subject, [&[], passes], false).into_iter();
         only_in_b.extend(records_of_b.map(|record| TimeComparison { differs: differs.clone(), ..record }));
     }
@@ -284,9 +285,9 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
 /// texts, for the options `--a` and `--b`, and says whether both subjects have one place, so that one run can time them
 /// in turn. `None` if a run has no frames.
 pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
-    let [groups_a, groups_b] = groups_of_both(a, b);
-    let (first, _) = groups_a.first()?;
-    let other = nearest(&groups_b, first).or_else(|| groups_b.first().map(|(subject, _)| subject))?;
+    let [all_of_a, all_of_b] = both_by_subject(a, b);
+    let first = &all_of_a.first()?.subject;
+    let other = nearest(&all_of_b, first).or_else(|| all_of_b.first().map(|of_b| &of_b.subject))?;
     Some(([first.difference_from(other, "--"), other.difference_from(first, "--")], first.place() == other.place()))
 }
 
@@ -316,10 +317,10 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-/// Finds the subject of `groups` that differs from `subject` in the fewest values, among those with the same scene,
-/// view and method. `None` if there is none, or if `groups` has `subject` itself.
-fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
-    let candidates = groups.iter().map(|(candidate, _)| candidate).filter(|candidate| candidate.is_like(subject));
+/// Finds the subject in `all` that differs from `subject` in the fewest values, among those with the same scene, view
+/// and method. `None` if there is none, or if `all` has `subject` itself.
+fn nearest<'g>(all: &'g [SubjectSamples], subject: &Subject) -> Option<&'g Subject> {
+    let candidates = all.iter().map(|samples| &samples.subject).filter(|s| s.has_same_scene_view_and_method(subject));
     let nearest = candidates.min_by_key(|candidate| candidate.differences(subject).len());
     nearest.filter(|candidate| *candidate != subject)
 }

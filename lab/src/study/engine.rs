@@ -3,7 +3,7 @@
 //! results in the journal, and makes rows of the journal. `report::results` makes tables, files and pages of the rows,
 //! and `app::measure` runs the engine from flags.
 
-use super::cell_list::{CellList, CellListHead, ListedResult, PlannedCell};
+use super::cell_list::{CellList, CellListHead, ListedCell, ListedResult, PlannedCell};
 use super::columns::Columns;
 use super::exhibit::{Chart, ClipGroup, ExtraFile, Sheet, Table};
 use super::interleave;
@@ -22,7 +22,7 @@ use std::collections::HashSet;
 
 /// A study: cells that are measured one after the other.
 pub trait Study {
-    /// The type of a cell; cells are measured one after the other.
+    /// The type of a cell.
     type Cell;
     /// The type of a row, which is the result of a measurement.
     type Row: Row;
@@ -38,8 +38,8 @@ pub trait Study {
         Value::Null
     }
 
-    /// Returns the key of each of the cell's results in the journal, and beside it the first fields of its record, if
-    /// the journal keeps samples, which lack them; else null.
+    /// Returns the key in the journal of each of the cell's results, each with the first fields of the result's record
+    /// ([`ListedResult::record_head`]).
     fn results(&self, gpu: &Gpu, cell: &Planned<Self::Cell>) -> Vec<(String, Value)> {
         vec![(cell.key::<Self::Row>(gpu), Value::Null)]
     }
@@ -126,12 +126,12 @@ pub trait Row: Columns + Serialize + DeserializeOwned + Clone {
 
     /// Whether a journal has all of a result, in a readable form.
     fn is_whole(_list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
-        kept::<Self>(journal, &result.key).is_some()
+        rows_in_journal::<Self>(journal, &result.key).is_some()
     }
 
     /// Makes the rows of a result from what a journal has of it, which may be a part.
     fn read(_list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
-        kept(journal, &result.key).unwrap_or_default()
+        rows_in_journal(journal, &result.key).unwrap_or_default()
     }
 }
 
@@ -176,9 +176,9 @@ impl<K: PartialEq, T> LastMade<K, T> {
     /// # Errors
     /// Errors of `make`.
     pub fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<T, E>) -> Result<&mut T, E> {
-        let kept = self.0.take().filter(|(known, _)| *known == key);
-        let (key, made) = match kept {
-            Some(same) => same,
+        let last = self.0.take().filter(|(known, _)| *known == key);
+        let (key, made) = match last {
+            Some(last) => last,
             None => (key, make()?),
         };
         Ok(&mut self.0.insert((key, made)).1)
@@ -210,7 +210,7 @@ pub fn list<S: Study>(study: &S, gpu: &Gpu, command: String, shard: Option<Shard
 
 /// Returns the number of steps of the progress bar over all cells that a run owns.
 pub fn steps<S: Study>(study: &S, list: &CellList) -> usize {
-    list.own(&study.cells()).map(|planned| study.steps(&planned.cell)).sum()
+    list.select_own(&study.cells()).map(|planned| study.steps(&planned.cell)).sum()
 }
 
 /// Measures every cell of a list that the run owns and that the journal lacks.
@@ -218,7 +218,7 @@ pub fn steps<S: Study>(study: &S, list: &CellList) -> usize {
 /// # Errors
 /// Errors of a measurement, of the journal, and of [`Bench::go_on`].
 pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> Result<()> {
-    for (planned, listed) in study.cells().iter().zip(&list.cells).filter(|(_, listed)| listed.own) {
+    for (planned, listed) in study.cells().iter().zip(&list.cells).filter(|(_, listed)| listed.is_own) {
         let steps = study.steps(&planned.cell);
         if listed.results.iter().all(|result| S::Row::is_whole(list, result, bench.journal)) {
             (bench.advance)(steps);
@@ -239,15 +239,15 @@ pub fn measure<S: Study>(study: &mut S, list: &CellList, bench: &mut Bench) -> R
 
 /// Returns the rows that a journal keeps under a key; `None` if the journal has no entry with the key, or an unreadable
 /// one.
-pub fn kept<R: Row>(journal: &Journal, key: &str) -> Option<Vec<R>> {
-    journal.value(key).and_then(|value| rows_of(value).ok())
+pub fn rows_in_journal<R: Row>(journal: &Journal, key: &str) -> Option<Vec<R>> {
+    journal.value(key).and_then(|value| parse_rows(value).ok())
 }
 
 /// Reads rows from a value of a journal.
 ///
 /// # Errors
 /// Why the value is no list of possible rows, as the end of a sentence that begins with the value.
-pub fn rows_of<R: Row>(value: &Value) -> std::result::Result<Vec<R>, String> {
+pub fn parse_rows<R: Row>(value: &Value) -> std::result::Result<Vec<R>, String> {
     let rows = Vec::deserialize(value).map_err(|e| format!("is no list of records of this study: {e}"))?;
     let fault = value.as_array().into_iter().flatten().find_map(sound::fault::<R>);
     fault.map_or(Ok(rows), Err)
@@ -268,13 +268,13 @@ fn is_sample(results: &HashSet<&str>, key: &str) -> bool {
 pub fn unreadable<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
     let keys = keys_of(list);
     let is_unreadable = |key: &&str| match journal.value(key) {
-        Some(value) if keys.contains(key) => rows_of::<R>(value).is_err(),
-        Some(value) if R::IS_SAMPLED && is_sample(&keys, key) => interleave::sample_of(value).is_err(),
+        Some(value) if keys.contains(key) => parse_rows::<R>(value).is_err(),
+        Some(value) if R::IS_SAMPLED && is_sample(&keys, key) => interleave::parse_sample(value).is_err(),
         _ => false,
     };
-    let mut found: Vec<String> = journal.keys().filter(is_unreadable).map(str::to_owned).collect();
-    found.sort_unstable();
-    found
+    let mut unreadable: Vec<String> = journal.keys().filter(is_unreadable).map(str::to_owned).collect();
+    unreadable.sort_unstable();
+    unreadable
 }
 
 /// Checks every entry of a run's journal that belongs to its results, and the rows that follow from the entries.
@@ -288,9 +288,9 @@ pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usiz
         let Some((key, value)) = journal::entry(&line.text) else { continue };
         let wrong = |why: String| (Some(line.number), format!("the value of {key:?} {why}"));
         if keys.contains(key.as_str()) {
-            rows_of::<R>(&value).map_err(wrong)?;
+            parse_rows::<R>(&value).map_err(wrong)?;
         } else if R::IS_SAMPLED && is_sample(&keys, &key) {
-            interleave::sample_of(&value).map_err(wrong)?;
+            interleave::parse_sample(&value).map_err(wrong)?;
         }
     }
     // Rows made of samples also take fields from the list of cells, which are checked here.
@@ -304,13 +304,13 @@ pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usiz
 
 /// Makes the rows of a run from its journal, in the order of the list of cells.
 pub fn rows<R: Row>(list: &CellList, journal: &Journal) -> Vec<R> {
-    let results = list.cells.iter().filter(|cell| cell.own).flat_map(|cell| &cell.results);
+    let results = list.cells.iter().filter(|cell| cell.is_own).flat_map(|cell| &cell.results);
     results.flat_map(|result| R::read(list, result, journal)).collect()
 }
 
 /// Returns the names of the cells that a run owns and of which its journal lacks a result.
 pub fn missing<R: Row>(list: &CellList, journal: &Journal) -> Vec<String> {
-    let own = list.cells.iter().filter(|cell| cell.own);
-    let unfinished = own.filter(|cell| !cell.results.iter().all(|result| R::is_whole(list, result, journal)));
-    unfinished.map(|cell| cell.name.clone()).collect()
+    let is_measured = |cell: &ListedCell| cell.results.iter().all(|result| R::is_whole(list, result, journal));
+    let missing = list.cells.iter().filter(|cell| cell.is_own && !is_measured(cell));
+    missing.map(|cell| cell.name.clone()).collect()
 }

@@ -10,12 +10,12 @@ mod suite;
 mod truth;
 
 pub use self::judged::ImageError;
-use self::judged::{MethodHits, Record};
+use self::judged::{MethodHits, RecordTemplate};
 pub use self::pictures::{flip_file, picture_file};
 pub use self::row::{ErrorRecord, ErrorReference, source_table};
 pub use self::suite::ErrorStudy;
 use self::truth::{Truth, truth};
-use super::compare::{SEED, display};
+use super::compare::{SEED, display, rgb};
 use super::engine::LastMade;
 use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
@@ -24,7 +24,7 @@ use crate::error::{Error, Result};
 use crate::stage::gbuffer;
 use crate::stage::{Globals, SharedImages, Shot, Stage};
 use ::ssct::gpu::frame::Mode;
-use ::ssct::gpu::{FrameContext, Gpu, Image, Pixels};
+use ::ssct::gpu::{FrameContext, Gpu, Image};
 use ::ssct::methods::setup::BeyondScreen;
 use ::ssct::methods::ssct::{self, ThesisMethod};
 use ::ssct::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
@@ -33,7 +33,7 @@ use ::ssct::passes::gbuffer::GBufferImages;
 use glam::Vec3;
 use serde_json::{Value, json};
 use ssct_ground::math::OracleVersion;
-use ssct_scenes::{GBufferData, ProjectionKind, Scene, View};
+use ssct_scenes::{Camera, GBufferData, Material, ProjectionKind, Scene, View};
 use ssct_truth::metrics::bootstrap::interval_of_median;
 use ssct_truth::metrics::flip::FlipMap;
 use ssct_truth::metrics::image::error_map;
@@ -74,7 +74,7 @@ pub(super) fn greatest_bounces(variants: &[Variant]) -> u32 {
 }
 
 /// A picture of a cell: the linear reflection colour, before fade, by a reference or by a variant.
-struct Strip {
+struct Picture {
     /// Name of the reference or of the variant, for names of files.
     name: String,
     /// Red, green and blue of each pixel.
@@ -99,20 +99,16 @@ struct MeasuredCell {
     /// Records of every variant against every reference that it is compared with.
     records: Vec<ErrorRecord>,
     /// Pictures of the references and of the variants.
-    strips: Vec<Strip>,
+    pictures: Vec<Picture>,
 }
 
 /// Inputs of a cell's measurement, except the device.
 struct ErrorSpec<'a> {
-    /// Scene.
     scene: &'a Scene,
-    /// View.
     view: &'a View,
     /// Width and height in pixels.
     extent: [u32; 2],
-    /// Global factors.
     globals: Globals,
-    /// Variants that are compared.
     variants: &'a [Variant],
     /// Frames that warm up before the first timed one.
     warmup: usize,
@@ -172,78 +168,108 @@ fn measure(
     })?;
     shots.iter_mut().try_for_each(|shot| shot.turn_to(stage, camera, materials.clone()))?;
     shared.draw_anew();
-    let times = totals((gpu, spec), stage, (shared, shots), journal, go_on)?;
-    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
+    let times = time_variants((gpu, spec), stage, (shared, shots), journal, go_on)?;
+    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), pictures: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
     shared.draw(stage, Mode::Plain, first)?;
-    let make_shot = |stage: &mut Stage, shared: &mut SharedImages, setup: &Setup, wants, method| {
-        shared.shot(stage, method, &setup.with_extent(spec.extent), wants, camera, materials.clone())
-    };
-    let truth =
-        truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, greatest_bounces(spec.variants), go_on)?;
-
+    let data = gbuffer::read(&mut stage.context, first)?;
+    let truth = truth(spec, data, &materials, greatest_bounces(spec.variants), go_on)?;
     for screen in &truth.screens {
-        let name = strip_name(SCREEN_REFERENCE, screen.version);
-        cell.strips.push(Strip { name, color: screen.image.color.clone(), error: None });
+        let name = picture_name(SCREEN_REFERENCE, screen.version);
+        cell.pictures.push(Picture { name, color: screen.image.color.clone(), error: None });
     }
-    cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
+    cell.pictures.push(Picture { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
+    let mut untimed = UntimedShots { spec, stage, shared, camera, materials: &materials };
     for ((variant, timed_shot), time) in spec.variants.iter().zip(&*shots).zip(times) {
         go_on()?;
-        // Some methods write an image of the reflection even in the timed shot; others need another shot for it.
-        let reflection = {
-            let (_, _, output) = shared.output_at_rest(stage, timed_shot)?;
-            let has_reflection = output.traced.reflection.is_some();
-            has_reflection.then(|| gbuffer::reflection(&mut stage.context, &output)).transpose()?
-        };
-        let color = match reflection {
-            Some(pixels) => colors(&pixels),
-            None => {
-                let reflection_shot = make_shot(stage, shared, &variant.setup, Wants::REFLECTION, variant.method)?;
-                let (_, _, output) = shared.output_at_rest(stage, &reflection_shot)?;
-                colors(&gbuffer::reflection(&mut stage.context, &output)?)
-            }
-        };
-        // The ends of rays belong to the method alone, so that its fallback is left out.
-        let mut hits = None;
-        let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
-        if variant.method.is_screen_space() || among_triangles {
-            let setup = without_fallback(&variant.setup);
-            let hit_shot = make_shot(stage, shared, &setup, Wants::HITS, variant.method)?;
-            let (_, _, output) = shared.output(stage, Mode::Plain, &hit_shot)?;
-            let hit_image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
-            hits = hit_image.map(|pixels| MethodHits {
-                positions: (!among_triangles).then(|| gbuffer::hit_positions(&pixels)),
-                ends: gbuffer::ray_ends(&pixels, &truth.data),
-            });
-        }
-        let mut head = Record::new(gpu, spec, RecordSubject::Method(variant.method), &variant.setup, Some(&time));
-        head.record.prepared = Some(timed_shot.prepared().clone());
-        cell.records.extend(head.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
+        let color = untimed.reflection_color(variant, timed_shot)?;
+        let hits = untimed.hits(variant, &truth)?;
+        let subject = RecordSubject::Method(variant.method);
+        let mut template = RecordTemplate::new(gpu, spec, subject, &variant.setup, Some(&time));
+        template.record.prepared = Some(timed_shot.prepared().clone());
+        cell.records.extend(template.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
         let has_method = |other: &&Variant| other.method.name == variant.method.name;
         let is_alone = spec.variants.iter().filter(has_method).count() == 1;
         // Several variants of one method get different names for their pictures.
-        let name = if is_alone { variant.method.name.to_owned() } else { head.record.head.variant().replace(' ', "-") };
-        cell.strips.push(method_strip(&name, &color, &truth, variant, spec.extent));
+        let name =
+            if is_alone { variant.method.name.to_owned() } else { template.record.head.variant().replace(' ', "-") };
+        cell.pictures.push(method_picture(&name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
-        // Measures the error that is left when every hit is right, and the error of the screen reference against the
-        // world.
-        let setup = without_fallback(&variant.setup);
-        let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
-        let subject = RecordSubject::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
-        let head = Record::new(gpu, spec, subject, &setup, None);
-        cell.records.extend(head.against_all(&truth, true, &color, None));
-        let exact = Variant { setup: setup.clone(), ..variant.clone() };
-        cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
-        for screen in &truth.screens {
-            let setup = setup.with(|p: &mut EffectParams| p.oracle = screen.version);
-            let head =
-                Record::new(gpu, spec, RecordSubject::Other { name: SCREEN_REFERENCE, method: None }, &setup, None);
-            cell.records.push(head.image(ErrorReference::World, &truth, &truth.world, &screen.image.color));
-        }
+        add_exact_hits_and_screen_reference(&mut cell, gpu, spec, &truth, variant)?;
     }
     Ok(cell)
+}
+
+/// Makes and draws the shots of a cell that are not timed.
+struct UntimedShots<'a> {
+    spec: &'a ErrorSpec<'a>,
+    stage: &'a mut Stage,
+    shared: &'a mut SharedImages,
+    camera: Camera,
+    materials: &'a [Material],
+}
+
+impl UntimedShots<'_> {
+    /// Makes a shot of a method at the size of the cell.
+    fn shot(&mut self, method: &MethodInfo, setup: &Setup, wants: Wants) -> Result<Shot> {
+        let setup = setup.with_extent(self.spec.extent);
+        Ok(self.shared.shot(self.stage, method, &setup, wants, self.camera, self.materials.to_vec())?)
+    }
+
+    /// Draws the linear reflection colour of a variant. Some methods write an image of the reflection even in the timed
+    /// shot; others need another shot for it.
+    fn reflection_color(&mut self, variant: &Variant, timed_shot: &Shot) -> Result<Vec<[f32; 3]>> {
+        let (_, _, output) = self.shared.output_at_rest(self.stage, timed_shot)?;
+        if output.traced.reflection.is_some() {
+            return Ok(rgb(&gbuffer::reflection(&mut self.stage.context, &output)?));
+        }
+        let shot = self.shot(variant.method, &variant.setup, Wants::REFLECTION)?;
+        let (_, _, output) = self.shared.output_at_rest(self.stage, &shot)?;
+        Ok(rgb(&gbuffer::reflection(&mut self.stage.context, &output)?))
+    }
+
+    /// Finds where the rays of a variant end; `None` for a method that does not report this. The ends belong to the
+    /// method alone, so that its fallback is left out.
+    fn hits(&mut self, variant: &Variant, truth: &Truth) -> Result<Option<MethodHits>> {
+        let among_triangles = variant.setup.effect().is_among_triangles(variant.method, true);
+        if !variant.method.is_screen_space() && !among_triangles {
+            return Ok(None);
+        }
+        let shot = self.shot(variant.method, &without_fallback(&variant.setup), Wants::HITS)?;
+        let (_, _, output) = self.shared.output(self.stage, Mode::Plain, &shot)?;
+        let hit_image = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
+        Ok(hit_image.map(|pixels| MethodHits {
+            positions: (!among_triangles).then(|| gbuffer::hit_positions(&pixels)),
+            ends: gbuffer::ray_ends(&pixels, &truth.data),
+        }))
+    }
+}
+
+/// Adds the error that is left when every hit is right, and the errors of the screen references against the world.
+/// `variant` is the first variant of the cell, whose setup is used.
+fn add_exact_hits_and_screen_reference(
+    cell: &mut MeasuredCell,
+    gpu: &Gpu,
+    spec: &ErrorSpec,
+    truth: &Truth,
+    variant: &Variant,
+) -> Result<()> {
+    let setup = without_fallback(&variant.setup);
+    let color = exact_hits_with_cone(gpu, spec, truth, &setup)?;
+    let subject = RecordSubject::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
+    let template = RecordTemplate::new(gpu, spec, subject, &setup, None);
+    cell.records.extend(template.against_all(truth, true, &color, None));
+    let exact = Variant { setup: setup.clone(), ..variant.clone() };
+    cell.pictures.push(method_picture(EXACT_HITS, &color, truth, &exact, spec.extent));
+    for screen in &truth.screens {
+        let setup = setup.with(|p: &mut EffectParams| p.oracle = screen.version);
+        let subject = RecordSubject::Other { name: SCREEN_REFERENCE, method: None };
+        let template = RecordTemplate::new(gpu, spec, subject, &setup, None);
+        cell.records.push(template.image(ErrorReference::World, truth, &truth.world, &screen.image.color));
+    }
+    Ok(())
 }
 
 /// Name in records of the combination of the oracle's hits with the cone trace of the thesis.
@@ -254,20 +280,26 @@ pub const SCREEN_REFERENCE: &str = "screen-reference";
 pub const WORLD_REFERENCE: &str = "world-reference";
 
 /// Returns the name of a picture; with the second version of the oracle, the version is added to `name`.
-fn strip_name(name: &str, version: OracleVersion) -> String {
+fn picture_name(name: &str, version: OracleVersion) -> String {
     if version.is_first() { name.to_owned() } else { format!("{name}-oracle-{}", u32::from(version)) }
 }
 
 /// Makes the picture of a variant's reflection `color`, with its errors in the reflecting pixels. A variant that sees
 /// the screen alone is compared with the screen reference, and any other with the world reference.
-fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, variant: &Variant, [width, height]: [u32; 2]) -> Strip {
+fn method_picture(
+    name: &str,
+    color: &[[f32; 3]],
+    truth: &Truth,
+    variant: &Variant,
+    [width, height]: [u32; 2],
+) -> Picture {
     let version = variant.setup.effect().oracle;
     let reference = if variant.is_on_screen() { &truth.screen(version).image } else { &truth.world };
     let error = ErrorMaps {
         rmse: error_map(&reference.color, color, &truth.mask),
         flip: FlipMap::new(&reference.display, &display(color), width, height),
     };
-    Strip { name: strip_name(name, version), color: color.to_vec(), error: Some(error) }
+    Picture { name: picture_name(name, version), color: color.to_vec(), error: Some(error) }
 }
 
 /// Computes the reflection colour of each pixel by the thesis's cone trace from the oracle's hits, which shows the
@@ -322,7 +354,7 @@ struct VariantTime {
 
 /// Times the shots of the variants in turn, except frames that the journal has, and returns the total time of each
 /// variant.
-fn totals(
+fn time_variants(
     (gpu, spec): (&Gpu, &ErrorSpec),
     stage: &mut Stage,
     (shared, shots): (&mut SharedImages, &mut [Shot]),
@@ -333,7 +365,9 @@ fn totals(
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
     interleave(stage, (shared, shots), &rounds, &key, journal, go_on)?;
-    let total_ms = |shot: usize, n: usize| interleave::kept(journal, &key(shot, &n.to_string())).map(|s| s.effect_ms());
+    let total_ms = |shot: usize, n: usize| {
+        interleave::sample_in_journal(journal, &key(shot, &n.to_string())).map(|s| s.effect_ms())
+    };
     let all_ms = |shot: usize| (0..spec.samples).filter_map(|n| total_ms(shot, n)).collect::<Vec<_>>();
     let variant_time = |samples: Vec<f64>| VariantTime {
         median_ms: Stats::from_samples(&samples).median_ms,
@@ -347,9 +381,4 @@ fn totals(
 fn without_fallback(setup: &Setup) -> Setup {
     let beyond = setup.effect().beyond(true);
     setup.with(|p: &mut EffectParams| (p.fallback, p.beyond) = (Fallback::None, beyond))
-}
-
-/// Returns red, green and blue of each pixel.
-fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
-    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }

@@ -41,8 +41,8 @@ impl Table {
     /// Makes a table with a line for each of `rows`, with those of their columns that have a header, and with the
     /// columns `more` behind them. Without rows the table has no header either.
     pub fn with_columns<R: Columns, const N: usize>(id: &'static str, rows: &[R], more: [Column<R>; N]) -> Self {
-        let own = R::columns().columns.into_iter().filter(|c| !c.title.is_empty());
-        let columns: Vec<_> = own.chain(more).collect();
+        let titled = R::columns().columns.into_iter().filter(|c| !c.title.is_empty());
+        let columns: Vec<_> = titled.chain(more).collect();
         let header = columns.iter().map(|c| c.title.clone()).collect();
         let row_cells = |row: &R| columns.iter().map(|c| c.shown(row)).collect();
         let cells = std::iter::once(header).chain(rows.iter().map(row_cells));
@@ -62,17 +62,16 @@ pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     all
 }
 
-/// Makes the cells of a table from two properties of rows, which `down` and `across` return. The table has a line for
-/// each value of the first property, and a column for each value of the second, in the order in which they first
-/// appear. `meet` returns the text of a cell from the rows that have both values; a cell without such rows or without a
-/// text is a dash. `corner` is the header of the first column.
+/// Makes the cells of a table from two properties of rows. The table has a line for each value of the first property,
+/// and a column for each value of the second, in the order in which they first appear. `cell_text` returns the text of
+/// a cell from the rows that have both values; a cell without such rows or without a text is a dash. `corner` is the
+/// header of the first column.
 pub fn pivot<R>(
     corner: &str,
     rows: &[R],
-    [down, across]: [&dyn Fn(&R) -> String; 2],
-    meet: impl Fn(&[&R]) -> Option<String>,
+    [line_property, column_property]: [&dyn Fn(&R) -> String; 2],
+    cell_text: impl Fn(&[&R]) -> Option<String>,
 ) -> Vec<Vec<String>> {
-    let (line_property, column_property, cell_text) = (down, across, meet);
     let line_names = distinct(rows.iter().map(line_property));
     let column_names = distinct(rows.iter().map(column_property));
     let header = std::iter::once(corner.to_owned()).chain(column_names.iter().cloned()).collect();

@@ -32,13 +32,13 @@ pub struct Inspection {
     /// The twin of the method's ray tracing; `None` if it has none.
     twin: Option<Twin>,
     /// The version of the oracle that the method is compared with.
-    oracle: OracleVersion,
+    pub oracle: OracleVersion,
     /// Whether rays that the screen loses are followed in captures or among triangles.
     is_followed: bool,
-    /// Whether the method's own rays of a rough pixel are drawn from its lobe.
-    traces_lobes: bool,
+    /// Whether the method draws the rays of a rough pixel from its lobe, so that they are not mirror rays.
+    pub traces_lobes: bool,
     /// Whether the method is `unified`.
-    is_unified: bool,
+    pub is_unified: bool,
 }
 
 /// How the method's ray tracing is repeated on the CPU.
@@ -95,7 +95,7 @@ impl RayInWorld {
 
     /// Returns points along the path, from its beginning to its end, in metres. The two parts, before and after the
     /// screen lost the ray, have equally many points, which lie closer near the start of each part, as a picture needs.
-    pub fn way(&self) -> Vec<Vec3> {
+    pub fn points(&self) -> Vec<Vec3> {
         const POINTS: u16 = 256;
         let part = |from: Vec3, to: Vec3| {
             (0..=POINTS).map(move |i| {
@@ -251,21 +251,6 @@ impl Inspection {
         classes
     }
 
-    /// Returns the version of the oracle that the method is compared with.
-    pub fn oracle(&self) -> OracleVersion {
-        self.oracle
-    }
-
-    /// Whether the method draws the rays of a rough pixel from its lobe, so that they are not mirror rays.
-    pub fn traces_lobes(&self) -> bool {
-        self.traces_lobes
-    }
-
-    /// Whether the frame was rendered by `unified`.
-    pub fn is_unified(&self) -> bool {
-        self.is_unified
-    }
-
     /// Counts the steps of every pixel's mirror ray on the screen, rows from the top; 0 without a ray. `None` for
     /// methods whose walk has no twin.
     pub fn steps(&self) -> Option<Vec<u32>> {
@@ -273,7 +258,7 @@ impl Inspection {
         let column_and_row = |i: u32| (i % width, i / width);
         match self.twin.as_ref()? {
             Twin::HiZ { .. } => {
-                let steps = |(x, y)| self.hi_z(x, y).map_or(0, |trace| trace.steps.len() as u32);
+                let steps = |(x, y)| self.trace_hi_z(x, y).map_or(0, |trace| trace.steps.len() as u32);
                 Some((0..pixels).into_par_iter().map(|i| steps(column_and_row(i))).collect())
             }
             Twin::Unified => {
@@ -286,7 +271,7 @@ impl Inspection {
 
     /// Traces the mirror ray of the pixel (x, y) as the thesis does (Alg. 6). `None` if the pixel does not reflect, if
     /// its ray runs towards the camera, or if the frame was not drawn by Hi-Z ray tracing.
-    fn hi_z(&self, x: u32, y: u32) -> Option<HiZTrace> {
+    fn trace_hi_z(&self, x: u32, y: u32) -> Option<HiZTrace> {
         let Some(Twin::HiZ { constants, reflection_offset, direction_epsilon, chain }) = &self.twin else {
             return None;
         };
@@ -320,7 +305,7 @@ impl Inspection {
         match self.twin.as_ref()? {
             Twin::HiZ { .. } => {
                 let size = Vec2::new(g.width as f32, g.height as f32);
-                self.hi_z(x, y).map(|trace| Walk::of_thesis(&trace, size))
+                self.trace_hi_z(x, y).map(|trace| Walk::of_thesis(&trace, size))
             }
             Twin::Unified if g.reflects(g.index(x, y)) => Walk::of_unified(&self.traversal(), x, y),
             Twin::Unified => None,
@@ -339,7 +324,7 @@ impl Inspection {
             let texel = hits.texel(x, y);
             Some((PathCode::from_channel(texel[3])?, [texel[0] * width, texel[1] * height]))
         });
-        let in_world = self.in_world(&setup, pixel);
+        let in_world = self.ray_in_world(&setup, pixel);
         let beyond_screen = in_world.filter(|ray| !ray.code.is_hit());
         Some(PickedRay {
             pixel,
@@ -347,16 +332,16 @@ impl Inspection {
             method,
             walk: self.walk(x, y),
             oracle: Oracle::new(&self.gbuffer).of_version(self.oracle).trace(x, y),
-            beyond_on_screen: beyond_screen.map(|ray| self.projected(&ray)),
+            beyond_on_screen: beyond_screen.map(|ray| self.project_beyond(&ray)),
             in_world,
         })
     }
 
     /// Projects points of a ray's path after the screen lost it onto the image, in pixels. Points behind the near plane
     /// are left out.
-    fn projected(&self, ray: &RayInWorld) -> Vec<Vec2> {
+    fn project_beyond(&self, ray: &RayInWorld) -> Vec<Vec2> {
         let (g, view_to_clip) = (&self.gbuffer, self.gbuffer.view_to_clip());
-        let points = ray.way();
+        let points = ray.points();
         // The second half of the points is the part after the screen lost the ray.
         let after_loss = points[points.len() / 2..].iter();
         let project = |point: &Vec3| {
@@ -370,7 +355,7 @@ impl Inspection {
 
     /// Finds the path of a pixel's ray through the world. `None` if the method does not report how the ray ended, or if
     /// it looks at the screen alone and the ray missed.
-    fn in_world(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<RayInWorld> {
+    fn ray_in_world(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<RayInWorld> {
         let g = &self.gbuffer;
         let texel = self.hits.as_ref()?.texel(x, y);
         let code = PathCode::from_channel(texel[3])?;

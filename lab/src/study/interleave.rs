@@ -32,15 +32,15 @@ impl Sample {
 
 /// Returns the sample that a journal keeps under a key; `None` if the journal has no entry with the key, or an
 /// unreadable one.
-pub fn kept(journal: &Journal, key: &str) -> Option<Sample> {
-    journal.value(key).and_then(|value| sample_of(value).ok())
+pub fn sample_in_journal(journal: &Journal, key: &str) -> Option<Sample> {
+    journal.value(key).and_then(|value| parse_sample(value).ok())
 }
 
 /// Reads a sample from a value of a journal.
 ///
 /// # Errors
 /// Why the value is no sample, as the end of a sentence that begins with the value.
-pub fn sample_of(value: &Value) -> std::result::Result<Sample, String> {
+pub fn parse_sample(value: &Value) -> std::result::Result<Sample, String> {
     let sample = Sample::deserialize(value).map_err(|e| format!("is no sample of times: {e}"))?;
     sound::fault_of_sample(value).map_or(Ok(sample), Err)
 }
@@ -59,15 +59,9 @@ impl Round {
     /// Makes `warmup` rounds that warm up, and then `samples` timed rounds, labelled by their numbers from 0.
     pub fn timed(warmup: usize, samples: usize) -> Vec<Self> {
         let round = |label| Self { label, mode: Mode::Timed, camera: None };
-        let warm = (0..warmup).map(|_| round(None));
-        warm.chain((0..samples).map(|n| round(Some(n.to_string())))).collect()
+        let warmups = (0..warmup).map(|_| round(None));
+        warmups.chain((0..samples).map(|n| round(Some(n.to_string())))).collect()
     }
-}
-
-/// Returns the index of the shot that is drawn at a turn of a round; `shots` is the number of shots. Each round begins
-/// with another shot, since the first shot of a round may find colder caches.
-fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
-    (round + turn) % shots
 }
 
 /// Draws the frames of the shots that the journal lacks, and puts them into the journal. `key` makes the key of a frame
@@ -86,15 +80,19 @@ pub fn interleave(
 ) -> Result<()> {
     let zones = Zones::begin();
     let lacks = |journal: &Journal, shot: usize| {
-        rounds.iter().filter_map(|r| r.label.as_deref()).any(|label| kept(journal, &key(shot, label)).is_none())
+        rounds
+            .iter()
+            .filter_map(|r| r.label.as_deref())
+            .any(|label| sample_in_journal(journal, &key(shot, label)).is_none())
     };
     let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
     for (n, round) in rounds.iter().enumerate() {
         shared.draw_anew();
         for turn in 0..shots.len() {
-            let shot = shot_at(n, turn, shots.len());
+            // Each round begins with another shot, since the first shot of a round may find colder caches.
+            let shot = (n + turn) % shots.len();
             let key = round.label.as_deref().map(|label| key(shot, label));
-            if lacking[shot] && key.as_ref().is_none_or(|key| kept(journal, key).is_none()) {
+            if lacking[shot] && key.as_ref().is_none_or(|key| sample_in_journal(journal, key).is_none()) {
                 if let Some(camera) = round.camera {
                     shots[shot].camera = camera;
                 }
@@ -119,7 +117,6 @@ mod tests {
     use ssct::methods::{METHODS, Setup, Wants};
     use ssct_scenes::library;
 
-    /// Tests that two shots have equal times of the scene passes in one round, and other times in the next.
     #[test]
     fn each_round_draws_the_scene_once_for_all_shots() {
         let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
@@ -135,7 +132,7 @@ mod tests {
         let both = (&mut shared, &mut shots[..]);
         interleave(&mut stage, both, &Round::timed(0, 2), &key, &mut journal, &mut || Ok(())).expect("samples");
         let scene_ms = |shot, round| {
-            let sample = kept(&journal, &key(shot, round)).expect("a sample");
+            let sample = sample_in_journal(&journal, &key(shot, round)).expect("a sample");
             sample.report.passes.iter().filter(|p| !p.counted).map(|p| p.ms).collect::<Vec<_>>()
         };
         assert!(!scene_ms(0, "0").is_empty());

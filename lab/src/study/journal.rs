@@ -1,6 +1,6 @@
 //! The journal of a study has the results so far, so that nothing is lost or measured twice, whatever ends the study. A
-//! study asks the journal before each measurement, and adds the result afterwards. The caller decides where its lines
-//! are written.
+//! study asks the journal before each measurement, and adds the result afterwards. The caller decides where the
+//! journal's lines are written.
 
 use super::record::Provenance;
 use crate::error::Result;
@@ -48,7 +48,7 @@ impl Journal {
     ///
     /// # Errors
     /// Errors of the sink.
-    pub fn keep_line(&mut self, line: &str) -> Result<()> {
+    pub fn add_line(&mut self, line: &str) -> Result<()> {
         let Some((key, value)) = entry(line) else { return Ok(()) };
         if let Some(sink) = &mut self.sink {
             sink(line)?;
@@ -131,13 +131,12 @@ mod tests {
     use std::cell::RefCell;
     use std::rc::Rc;
 
-    /// Tests that a journal gives back what was put, and that another journal resumes from the written lines.
     #[test]
-    fn what_is_put_is_there_and_in_the_lines_that_another_goes_on_from() {
+    fn a_journal_returns_its_results_and_another_resumes_from_its_lines() {
         let lines = Rc::new(RefCell::new(Vec::new()));
-        let lines_of_sink = Rc::clone(&lines);
+        let sink_lines = Rc::clone(&lines);
         let sink: Sink = Box::new(move |line| {
-            lines_of_sink.borrow_mut().push(line.to_owned());
+            sink_lines.borrow_mut().push(line.to_owned());
             Ok(())
         });
         let mut journal = Journal::resume([].into_iter(), Some(sink));
@@ -147,17 +146,16 @@ mod tests {
         assert_eq!(journal.get::<Vec<f64>>("a").as_ref(), Some(&value));
         assert_eq!(journal.get::<String>("a"), None);
         let lines = lines.borrow();
-        let torn = ["", "{\"key\":\"b\"", "{\"finished\":true}"];
-        let again = Journal::resume(lines.iter().map(String::as_str).chain(torn), None);
-        assert_eq!(again.get::<Vec<f64>>("a").as_ref(), Some(&value));
-        assert!(again.value("a").is_some() && again.value("b").is_none());
+        let no_entries = ["", "{\"key\":\"b\"", "{\"finished\":true}"];
+        let resumed = Journal::resume(lines.iter().map(String::as_str).chain(no_entries), None);
+        assert_eq!(resumed.get::<Vec<f64>>("a").as_ref(), Some(&value));
+        assert!(resumed.value("a").is_some() && resumed.value("b").is_none());
     }
 
-    /// Tests that scenes have different digests without a capture, and with a capture at each of two places.
     #[test]
     fn a_moved_capture_changes_the_digest_of_its_scene() {
         let captured = |x: f32| Scene { captures: vec![Capture::placed_at(Vec3::X * x)], ..Scene::default() };
-        let [none, here, there] = [Scene::default(), captured(0.0), captured(1.0)].map(|scene| scene_digest(&scene));
-        assert!(none != here && here != there);
+        let [none, first, second] = [Scene::default(), captured(0.0), captured(1.0)].map(|scene| scene_digest(&scene));
+        assert!(none != first && first != second);
     }
 }

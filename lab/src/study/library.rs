@@ -110,7 +110,7 @@ pub struct Setting {
     pub roughness: String,
     /// The version of the definitions, and the values of the lens, the reflectivity and the normal deviation, if the
     /// record has them: each as "name value".
-    pub rest: Vec<String>,
+    pub other_settings: Vec<String>,
 }
 
 /// One figure of one method, in one setting and view.

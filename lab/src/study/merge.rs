@@ -32,7 +32,7 @@ pub struct Line {
 
 /// Several runs merged into one.
 pub struct MergedRun {
-    /// The cells of the whole study; those that a run measured are marked as own.
+    /// The cells of the whole study; each that a run measured counts as the merged run's own.
     pub cells: CellList,
     /// The journal of the merged run, made of `lines`.
     pub journal: Journal,
@@ -78,24 +78,7 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
         }
     }
     check_overlaps(inputs, kind)?;
-
-    // Collects the results of all runs, with indices into the merged list of devices.
-    let mut cells = CellList { shard: None, devices: Vec::new(), ..first.cells.clone() };
-    for (n, cell) in cells.cells.iter_mut().enumerate() {
-        cell.results = Vec::new();
-        for input in inputs {
-            for result in &input.cells.cells[n].results {
-                let Some(device) = input.cells.devices.get(result.device) else { continue };
-                let device_index = cells.devices.iter().position(|known| known == device).unwrap_or_else(|| {
-                    cells.devices.push(device.clone());
-                    cells.devices.len() - 1
-                });
-                if !cell.results.iter().any(|known| known.key == result.key) {
-                    cell.results.push(ListedResult { device: device_index, ..result.clone() });
-                }
-            }
-        }
-    }
+    let mut cells = with_results_of_all(&first.cells, inputs);
     // Keeps the first of several lines with one key.
     let mut seen_keys = HashSet::new();
     let all = inputs.iter().flat_map(|input| &input.lines).map(|line| &line.text);
@@ -111,12 +94,34 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
             results.extend(value.map(|value| MergedResult { device: result.device, value }));
             is_measured
         });
-        cell.own = !cell.results.is_empty();
-        if !cell.own {
+        cell.is_own = !cell.results.is_empty();
+        if !cell.is_own {
             missing.push(cell.name.clone());
         }
     }
     Ok(MergedRun { cells, journal, lines, results, missing })
+}
+
+/// Returns the list of cells `first` with the results that all runs list; their devices are indices into the merged
+/// list of devices.
+fn with_results_of_all(first: &CellList, inputs: &[MergeInput]) -> CellList {
+    let mut merged = CellList { shard: None, devices: Vec::new(), ..first.clone() };
+    for (n, cell) in merged.cells.iter_mut().enumerate() {
+        cell.results = Vec::new();
+        for input in inputs {
+            for result in &input.cells.cells[n].results {
+                let Some(device) = input.cells.devices.get(result.device) else { continue };
+                let device_index = merged.devices.iter().position(|known| known == device).unwrap_or_else(|| {
+                    merged.devices.push(device.clone());
+                    merged.devices.len() - 1
+                });
+                if !cell.results.iter().any(|known| known.key == result.key) {
+                    cell.results.push(ListedResult { device: device_index, ..result.clone() });
+                }
+            }
+        }
+    }
+    merged
 }
 
 /// Describes the first of `N` properties, given by names and values, in which `b` differs from `a`, as the end of a
@@ -219,14 +224,14 @@ mod tests {
     use serde_json::json;
     use ssct::gpu::DeviceInfo;
 
-    /// Makes the list of a study of the cells a, b and c, of a run that measured the cells `own` on a device.
-    fn list(own: &[&str], device: &str) -> CellList {
+    /// Makes the list of a study of the cells a, b and c, of a run that measured the cells `measured` on a device.
+    fn list(measured: &[&str], device: &str) -> CellList {
         let device = DeviceInfo { name: device.into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
         let cell = |name: &&str| {
             let result = ListedResult { device: 0, key: format!("{} {name}", device.name), record_head: Value::Null };
-            let is_own = own.contains(name);
+            let is_own = measured.contains(name);
             let results = is_own.then_some(result).into_iter().collect();
-            ListedCell { name: (*name).into(), setup: format!("digest of {name}"), own: is_own, results }
+            ListedCell { name: (*name).into(), setup: format!("digest of {name}"), is_own, results }
         };
         CellList {
             kind: "error".into(),
@@ -254,7 +259,6 @@ mod tests {
         MergeInput { folder: folder.into(), cells: list(&names, device), journal, lines: numbered(lines) }
     }
 
-    /// Numbers the lines of a journal from 1.
     fn numbered(lines: Vec<String>) -> Vec<Line> {
         lines.into_iter().enumerate().map(|(n, text)| Line { number: n + 1, text }).collect()
     }
@@ -264,24 +268,21 @@ mod tests {
         is_time: |name| name == "time_ms",
     };
 
-    /// Returns the message with which merging refuses some runs.
-    fn refused(inputs: &[MergeInput]) -> String {
+    fn refusal(inputs: &[MergeInput]) -> String {
         merge(inputs, KIND).err().expect("refused").to_string()
     }
 
-    /// Tests the order of the results, and what is listed of a cell that no run measured.
     #[test]
     fn cells_come_in_the_order_of_the_study_and_missing_ones_are_named() {
         let merged = merge(&[input("B", "x", &[("c", 3.0)]), input("A", "x", &[("a", 1.0)])], KIND).expect("one study");
         let errors: Vec<_> = merged.results.iter().map(|r| r.value[0]["rmse"].as_f64()).collect();
         assert_eq!((errors, merged.missing), (vec![Some(1.0), Some(3.0)], vec!["b".to_owned()]));
-        assert_eq!(merged.cells.cells.iter().map(|c| c.own).collect::<Vec<_>>(), [true, false, true]);
+        assert_eq!(merged.cells.cells.iter().map(|c| c.is_own).collect::<Vec<_>>(), [true, false, true]);
         assert_eq!(merged.cells.devices.len(), 1);
     }
 
-    /// Tests that of two results by one device the first is kept, and that results by two devices are both kept.
     #[test]
-    fn of_one_device_the_first_counts_and_of_two_devices_both() {
+    fn the_first_of_two_results_by_one_device_is_kept_and_results_by_two_devices_are_both_kept() {
         let all = [("a", 1.0), ("b", 2.0), ("c", 3.0)];
         let same = merge(&[input("A", "x", &all), input("B", "x", &all[1..])], KIND).expect("they agree");
         assert_eq!((same.results.len(), same.lines.len()), (3, 3));
@@ -289,26 +290,25 @@ mod tests {
         let two = merge(&[input("A", "x", &all), input("B", "y", &all[1..])], KIND).expect("they agree");
         let devices: Vec<_> = two.results.iter().map(|r| r.value[0]["device"].as_str().map(str::to_owned)).collect();
         assert_eq!(devices, ["x", "x", "y", "x", "y"].map(|d| Some(d.to_owned())));
-        // Merging a merged run again changes nothing.
-        let again = MergeInput {
+        // Merging a merged run once more changes nothing.
+        let merged = MergeInput {
             folder: "AB".into(),
             journal: Journal::resume(two.lines.iter().map(String::as_str), None),
             cells: two.cells.clone(),
             lines: numbered(two.lines.clone()),
         };
-        let both = merge(&[again, input("B", "y", &all[1..])], KIND).expect("they agree");
+        let both = merge(&[merged, input("B", "y", &all[1..])], KIND).expect("they agree");
         assert_eq!((both.results, both.cells), (two.results, two.cells));
     }
 
-    /// Tests that runs with other figures or of another study are refused, with a sentence that names the difference.
     #[test]
-    fn what_differs_is_refused_with_what_and_where() {
-        let message = refused(&[input("A", "x", &[("a", 1.0)]), input("B", "y", &[("a", 1.5)])]);
+    fn runs_with_other_figures_or_of_another_study_are_refused_with_the_difference() {
+        let message = refusal(&[input("A", "x", &[("a", 1.0)]), input("B", "y", &[("a", 1.5)])]);
         assert_eq!(message, "B: its cell a is not as in A: 0 (ssct).rmse is 1.5 and not 1.0");
         let after = |change: fn(&mut CellList)| {
             let mut other = input("B", "x", &[("b", 1.0)]);
             change(&mut other.cells);
-            refused(&[input("A", "x", &[("a", 1.0)]), other])
+            refusal(&[input("A", "x", &[("a", 1.0)]), other])
         };
         assert_eq!(after(|c| c.commit = "e".into()), "B: is not of the same study as A: its commit is e and not c");
         assert!(after(|c| c.version = "2".into()).ends_with("its version is 2 and not 1"));

@@ -6,18 +6,18 @@ use ssct::gpu::DeviceInfo;
 use std::borrow::Cow;
 
 /// Returns the name of a cell, with which the names of its files begin.
-pub fn cell_name(scene: &str, view: &str, [width, height]: [u32; 2], of_roughness: Option<f32>) -> String {
+pub fn cell_name(scene: &str, view: &str, [width, height]: [u32; 2], roughness: Option<f32>) -> String {
     let [scene, view] = [scene, view].map(safe_word);
-    format!("{scene}-{view}-{width}x{height}-r{}", roughness(of_roughness))
+    format!("{scene}-{view}-{width}x{height}-r{}", roughness_name(roughness))
 }
 
 /// Returns the name of a global roughness: the number, or "own" if the materials keep their roughness.
-pub fn roughness(value: Option<f32>) -> String {
+pub fn roughness_name(value: Option<f32>) -> String {
     value.map_or_else(|| "own".into(), |r| format!("{r}"))
 }
 
 /// Returns a number and the name of what is counted, such as "3 cells"; the name gets an s unless the number is 1.
-pub fn counted(number: usize, thing: &str) -> String {
+pub fn count_text(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
@@ -26,7 +26,7 @@ pub fn counted(number: usize, thing: &str) -> String {
 /// replaced. A name that had to be changed ends in a digest of the original, so that different names stay different.
 pub fn safe_word(name: &str) -> Cow<'_, str> {
     const MOST_BYTES: usize = 64;
-    let is_safe = |c: char| !is_obeyed(c) && !r#"/\:*?"<>|%#"#.contains(c);
+    let is_safe = |c: char| !is_unsafe_in_line(c) && !r#"/\:*?"<>|%#"#.contains(c);
     if !name.is_empty() && name.len() <= MOST_BYTES && !name.starts_with('.') && name.chars().all(is_safe) {
         return name.into();
     }
@@ -43,30 +43,30 @@ pub fn safe_word(name: &str) -> Cow<'_, str> {
     word.into()
 }
 
-/// Whether programs that show a text obey a character instead of showing it: a control character, an end of a line, or
-/// a character that changes the direction of text.
-pub fn is_obeyed(c: char) -> bool {
+/// Whether a character is unsafe in a line of text, since programs obey it instead of showing it: a control character,
+/// an end of a line, or a character that changes the direction of text.
+pub fn is_unsafe_in_line(c: char) -> bool {
     let changes_direction = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let ends_line_or_paragraph = matches!(c, '\u{2028}' | '\u{2029}');
     c.is_control() || changes_direction || ends_line_or_paragraph
 }
 
-/// Whether a character is obeyed in a text of several lines, in which ends of lines and tabs are allowed.
-pub fn is_obeyed_in_lines(c: char) -> bool {
-    is_obeyed(c) && !matches!(c, '\n' | '\t')
+/// Whether a character is unsafe in a text of several lines, in which ends of lines and tabs are allowed.
+pub fn is_unsafe_in_lines(c: char) -> bool {
+    is_unsafe_in_line(c) && !matches!(c, '\n' | '\t')
 }
 
 /// Returns a text with the replacement character U+FFFD in the place of each unsafe character.
-pub fn without_obeyed(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, str> {
+pub fn with_replacements(text: &str, is_unsafe: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&is_unsafe) {
         return text.into();
     }
     text.chars().map(|c| if is_unsafe(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// Makes a name safe for one line of text: characters that are obeyed, such as ends of lines, are replaced by U+FFFD.
+/// Makes a name safe for one line of text: unsafe characters, such as ends of lines, are replaced by U+FFFD.
 pub fn one_line(name: &str) -> Cow<'_, str> {
-    without_obeyed(name, is_obeyed)
+    with_replacements(name, is_unsafe_in_line)
 }
 
 /// Makes a text safe for a cell of a table in Markdown, on one line: no character of the text ends the cell, begins
@@ -86,11 +86,11 @@ pub fn csv_cell(text: &str) -> Cow<'_, str> {
     if is_formula { format!("'{}", one_line(text)).into() } else { one_line(text) }
 }
 
-/// Writes the characters of JSON that a terminal obeys as escapes. Such characters occur within strings alone, where
-/// the escapes mean the same characters.
+/// Writes the unsafe characters of JSON as escapes. Such characters occur within strings alone, where the escapes mean
+/// the same characters.
 pub fn json_text(json: &str) -> String {
     let escaped = |c: char| {
-        if is_obeyed_in_lines(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
+        if is_unsafe_in_lines(c) { format!("\\u{:04x}", u32::from(c)) } else { c.to_string() }
     };
     json.chars().map(escaped).collect()
 }
@@ -116,9 +116,8 @@ mod tests {
     use std::collections::BTreeSet;
     use std::path::Path;
 
-    /// Tests which names stay as they are, and that changed names are safe and different.
     #[test]
-    fn names_become_words_of_file_names_and_stay_different() {
+    fn names_become_safe_words_of_file_names_and_stay_different() {
         for plain in ["exit sign", "Küche (Süd)", "front 2", "r0.4", "a-b_c"] {
             assert_eq!(safe_word(plain), plain);
         }
@@ -150,16 +149,15 @@ mod tests {
             assert_eq!(csv_cell(cell), cell);
         }
         let json = serde_json::json!([bad]).to_string();
-        assert!(!json_text(&json).contains(is_obeyed));
+        assert!(!json_text(&json).contains(is_unsafe_in_line));
         assert_eq!(serde_json::from_str::<Vec<String>>(&json_text(&json)).expect("JSON"), [bad]);
         for plain in ["Küche (Süd)", "a, b", "\u{30ab}", "r 0.1"] {
             assert_eq!((one_line(plain).as_ref(), markdown_cell(plain).as_str()), (plain, plain));
         }
     }
 
-    /// Tests the names of devices that have the same name, or also the same driver.
     #[test]
-    fn two_drivers_of_one_name_are_told_apart() {
+    fn devices_of_one_name_are_told_apart_by_driver_or_version() {
         let device = |name: &str, driver: &str, api: &str| {
             let kind = "CPU".to_owned();
             DeviceInfo { name: name.to_owned(), driver: driver.to_owned(), api: api.to_owned(), kind }

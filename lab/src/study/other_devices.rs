@@ -51,11 +51,11 @@ pub fn compare<'g>(
     spec: &AgreementSpec,
 ) -> Result<Vec<AgreementRecord>> {
     let data = agreement::draw(base, spec)?;
-    let expected = agreement::images(base, spec, &data)?;
+    let base_images = agreement::images(base, spec, &data)?;
     let mut records = Vec::new();
     for gpu in others {
-        let made = agreement::images(gpu, spec, &data)?;
-        records.extend(agreement::compare(gpu, base.info(), spec, &data, [&expected, &made]));
+        let images = agreement::images(gpu, spec, &data)?;
+        records.extend(agreement::compare(gpu, base.info(), spec, &data, [&base_images, &images]));
     }
     Ok(records)
 }

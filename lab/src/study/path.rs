@@ -5,7 +5,7 @@ use super::cell_list::{CellList, ListedResult};
 use super::columns::{columns, nested, part, series, time};
 use super::engine::{Bench, Planned, Row, Study};
 use super::exhibit::{Chart, Drawing, Line};
-use super::interleave::{Round, interleave, kept};
+use super::interleave::{Round, interleave, sample_in_journal};
 use super::journal::{Journal, scene_digest};
 use super::names::cell_name;
 use super::record::{Head, Provenance, RecordSubject, Stats};
@@ -39,7 +39,7 @@ pub struct PathStudy {
 }
 
 columns! {
-    /// A frame on the way.
+    /// A frame along the path.
     #[derive(Copy)]
     pub struct PathFrame {
         /// Milliseconds on the device from the frame's first timestamp to its last, scene passes included.
@@ -52,7 +52,7 @@ columns! {
 }
 
 columns! {
-    /// Frames per second of a whole way.
+    /// Frames per second over a whole path.
     #[derive(Copy)]
     pub struct Fps {
         /// Frames per second at the median time of a frame.
@@ -104,14 +104,14 @@ impl Row for PathRecord {
     }
 
     fn is_whole(list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
-        (0..frames_of(list)).all(|n| kept(journal, &key(&result.key, n)).is_some())
+        (0..frames_of(list)).all(|n| sample_in_journal(journal, &key(&result.key, n)).is_some())
     }
 
     /// Makes the record of a method from its frames in the journal, of which a run that was ended early has fewer. No
     /// record is made without frames.
     fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let frame = |n: usize| {
-            let sample = kept(journal, &key(&result.key, n))?;
+            let sample = sample_in_journal(journal, &key(&result.key, n))?;
             let frame_ms = sample.report.frame_ms;
             Some(PathFrame { frame_ms, effect_ms: sample.effect_ms(), fps: 1000.0 / frame_ms.max(1e-6) })
         };
@@ -160,13 +160,13 @@ impl PathStudy {
     }
 
     /// Returns for each method the beginning of its frames' keys in the journal, at a size in pixels.
-    fn prefixes(&self, gpu: &Gpu, extent: [u32; 2]) -> Vec<String> {
-        let key = self.planned(extent).key::<PathRecord>(gpu);
+    fn key_prefixes(&self, gpu: &Gpu, extent: [u32; 2]) -> Vec<String> {
+        let key = self.planned_cell(extent).key::<PathRecord>(gpu);
         self.methods.iter().map(|method| format!("{key} {}", method.name)).collect()
     }
 
     /// Returns the cell of a size.
-    fn planned(&self, extent: [u32; 2]) -> Planned<[u32; 2]> {
+    fn planned_cell(&self, extent: [u32; 2]) -> Planned<[u32; 2]> {
         let setup = self.setup.with_extent(extent);
         let methods: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
         let (scene, path) = (scene_digest(&self.scene), format!("{:?}", self.path));
@@ -192,7 +192,7 @@ impl Study for PathStudy {
     }
 
     fn cells(&self) -> Vec<Planned<[u32; 2]>> {
-        self.sizes.iter().map(|extent| self.planned(*extent)).collect()
+        self.sizes.iter().map(|extent| self.planned_cell(*extent)).collect()
     }
 
     /// Returns for each method of a cell the beginning of its frames' keys in the journal, and the head of its record.
@@ -200,7 +200,7 @@ impl Study for PathStudy {
         let (start, setup) = (self.view(0), self.setup.with_extent(planned.cell));
         let head = |m| Head::new("path", gpu, (&self.scene, &start), RecordSubject::Method(m), &setup, &self.globals);
         let heads = self.methods.iter().map(|m| json!(head(m)));
-        self.prefixes(gpu, planned.cell).into_iter().zip(heads).collect()
+        self.key_prefixes(gpu, planned.cell).into_iter().zip(heads).collect()
     }
 
     fn steps(&self, _: &[u32; 2]) -> usize {
@@ -213,19 +213,18 @@ impl Study for PathStudy {
         let mut stage = Stage::new(bench.gpu, &self.scene)?;
         let start = self.view(0);
         let materials = self.globals.materials(&self.scene, &start);
-        let prefixes = self.prefixes(bench.gpu, *extent);
-        let (setup, first) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
+        let prefixes = self.key_prefixes(bench.gpu, *extent);
+        let (setup, first_camera) = (self.setup.with_extent(*extent), start.camera(&self.scene, *extent));
         let methods = self.methods.iter().map(|method| (*method, setup.clone()));
         let mut shared = SharedImages::default();
-        let mut shots = shared.shots(&mut stage, methods, Wants::IMAGE, first, &materials)?;
-        let rounds: Vec<Round> = (0..self.warmup + self.frames)
-            .map(|n| {
-                // The number of a frame that counts; `None` for a frame that warms up, at the beginning of the path.
-                let frame = n.checked_sub(self.warmup);
-                let camera = self.view(frame.unwrap_or(0)).camera(&self.scene, *extent);
-                Round { label: frame.map(|frame| frame.to_string()), mode: Mode::Timed, camera: Some(camera) }
-            })
-            .collect();
+        let mut shots = shared.shots(&mut stage, methods, Wants::IMAGE, first_camera, &materials)?;
+        let round = |n: usize| {
+            // The number of a frame that counts; `None` for a frame that warms up, at the beginning of the path.
+            let frame = n.checked_sub(self.warmup);
+            let camera = self.view(frame.unwrap_or(0)).camera(&self.scene, *extent);
+            Round { label: frame.map(|frame| frame.to_string()), mode: Mode::Timed, camera: Some(camera) }
+        };
+        let rounds: Vec<Round> = (0..self.warmup + self.frames).map(round).collect();
         let Bench { journal, go_on, advance, .. } = bench;
         let key = |method: usize, frame: &str| format!("{} {frame}", prefixes[method]);
         interleave(&mut stage, (&mut shared, &mut shots), &rounds, &key, journal, &mut || {

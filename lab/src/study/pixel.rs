@@ -205,11 +205,11 @@ pub struct LastCell {
     pub crossed: bool,
 }
 
-/// Explains a pixel of a frame; `None` outside the picture. `made` has the images of the method, and `world` the scene
+/// Explains a pixel of a frame; `None` outside the picture. `images` are those of the method, and `world` the scene
 /// that the frame shows.
 pub fn explain(
     inspection: &Inspection,
-    made: MethodImages,
+    images: MethodImages,
     world: &World,
     method: PixelMethod,
     pixel: [u32; 2],
@@ -220,12 +220,11 @@ pub fn explain(
     let first_hits = FirstHits::shown_at(world, gbuffer, index);
     let in_world = PixelInWorld::new(world, gbuffer, &first_hits, index);
     let reflects = gbuffer.reflects(index);
-    let sampling = PixelSampling { rays: RAYS, bounces: method.bounces, oracle: inspection.oracle() };
-    // The colours of the screen reference and of the world reference.
-    let references = reflects.then(|| references(world, gbuffer, &first_hits, index, sampling));
-    let colors = ColorReport::new(gbuffer, made, pixel, references);
+    let sampling = PixelSampling { rays: RAYS, bounces: method.bounces, oracle: inspection.oracle };
+    let screen_and_world = reflects.then(|| references(world, gbuffer, &first_hits, index, sampling));
+    let colors = ColorReport::new(gbuffer, images, pixel, screen_and_world);
     let faded_reflection = colors.fade * Vec3::from(colors.reflection);
-    let verdict = match references {
+    let verdict = match screen_and_world {
         Some((screen, world)) => PixelVerdict::judge(faded_reflection, &screen, &world),
         None => PixelVerdict::NotReflecting,
     };
@@ -241,20 +240,20 @@ pub fn explain(
         world_end: WorldEnd::new(&in_world, &gbuffer.camera),
         walk: ray.walk.as_ref().map(WalkReport::new),
     };
-    report.why = reasons::sentences(&report, gbuffer.surface[index] == Surface::Sky, inspection.traces_lobes());
+    report.why = reasons::sentences(&report, gbuffer.surface[index] == Surface::Sky, inspection.traces_lobes);
     Some(report)
 }
 
 /// Judges the reflection of every pixel of a frame, rows from the top. `world` is the scene that the frame shows.
-pub fn verdicts(inspection: &Inspection, made: MethodImages, world: &World, bounces: u32) -> Vec<PixelVerdict> {
+pub fn verdicts(inspection: &Inspection, images: MethodImages, world: &World, bounces: u32) -> Vec<PixelVerdict> {
     let gbuffer = &inspection.gbuffer;
-    let sampling = PixelSampling { rays: PICTURE_RAYS, bounces, oracle: inspection.oracle() };
+    let sampling = PixelSampling { rays: PICTURE_RAYS, bounces, oracle: inspection.oracle };
     let (screens, worlds) = all_references(world, gbuffer, sampling);
-    let judged = |(index, texel): (usize, &[f32])| match gbuffer.reflects(index) {
+    let judge = |(index, texel): (usize, &[f32])| match gbuffer.reflects(index) {
         true => PixelVerdict::judge(texel[3] * Vec3::from_slice(texel), &screens[index], &worlds[index]),
         false => PixelVerdict::NotReflecting,
     };
-    made.reflection.texels().enumerate().map(judged).collect()
+    images.reflection.texels().enumerate().map(judge).collect()
 }
 
 impl SurfaceReport {
@@ -281,15 +280,15 @@ impl ColorReport {
     /// reference; `None` if the pixel does not reflect.
     fn new(
         gbuffer: &GBufferData,
-        made: MethodImages,
+        images: MethodImages,
         [x, y]: [u32; 2],
         references: Option<(EstimatedColor, EstimatedColor)>,
     ) -> Self {
         let index = gbuffer.index(x, y);
         let color = |pixels: &Pixels| [0, 1, 2].map(|c| pixels.texel(x, y)[c]);
-        let image = color(made.composite);
-        let fade = made.reflection.texel(x, y)[3];
-        let faded_reflection = fade * Vec3::from(color(made.reflection));
+        let image = color(images.composite);
+        let fade = images.reflection.texel(x, y)[3];
+        let faded_reflection = fade * Vec3::from(color(images.reflection));
         let reference = |estimate: EstimatedColor| ReferenceColor {
             difference: difference(faded_reflection, estimate.color),
             color: estimate.color.to_array(),
@@ -298,7 +297,7 @@ impl ColorReport {
         };
         Self {
             lit: gbuffer.color[index].to_array(),
-            reflection: color(made.reflection),
+            reflection: color(images.reflection),
             fade,
             reflectivity: gbuffer.reflectivity[index],
             image,
@@ -330,10 +329,10 @@ impl OracleEnd {
     /// Describes where the oracle says that a picked ray ends, in words and as a place on the screen.
     fn new(inspection: &Inspection, ray: &PickedRay) -> Self {
         Self {
-            version: inspection.oracle().into(),
+            version: inspection.oracle.into(),
             end: match ray.oracle.outcome {
                 Outcome::Hit { .. } => "hits a pixel",
-                Outcome::Miss { reason, behind } => reasons::miss(reason, behind),
+                Outcome::Miss { reason, behind } => reasons::miss_text(reason, behind),
             },
             pixel: ray.oracle.position_px(),
             pixels: ray.oracle.steps,
@@ -356,12 +355,8 @@ impl WorldEnd {
             hidden_by: None,
             shown_view_z_m: None,
         };
-        let (position, pixel, view_z_m, length_m, visible) = match found.end {
-            WorldHit::NotReflecting => return None,
-            WorldHit::Escaped => return Some(in_sky),
-            WorldHit::Hit { position, pixel, view_z_m, length_m, visible } => {
-                (position, pixel, view_z_m, length_m, visible)
-            }
+        let WorldHit::Hit { position, pixel, view_z_m, length_m, visible } = found.end else {
+            return matches!(found.end, WorldHit::Escaped).then_some(in_sky);
         };
         let (hidden_by, shown_view_z_m) = match &found.unseen {
             Some(UnseenReason::Hidden { by, view_z_m }) => (by.clone(), Some(*view_z_m)),

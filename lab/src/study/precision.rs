@@ -9,10 +9,12 @@ pub use ladder::{Rung, roughness_values, rungs};
 pub use storage::{ColorFormat, DepthFormat, NormalFormat, Storage};
 
 use super::columns::{columns, figure, part};
+use super::compare::rgb;
 use super::engine::{Bench, Planned, Study};
 use super::journal::scene_digest;
 use super::names::cell_name;
 use super::record::{Head, RecordSubject};
+use super::ties::are_mirrors;
 use crate::error::Result;
 use crate::stage::Globals;
 use crate::stage::gbuffer::{hit_positions, reflect_at_rest, reflection};
@@ -75,42 +77,51 @@ impl ExactGBuffer {
         let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
         let world_to_view = camera.world_to_view.as_dmat4();
         let half = |v: f64| half::f16::from_f64(v).to_f32();
-        // Returns reversed depth, normal in view space, reflectivity, roughness, lit colour and kind of surface of a
-        // pixel.
         let pixel = |index: usize| {
             // A step of one metre along the ray changes view-space z by `z_per_metre`.
             let (ray, z_per_metre) = rays.ray(index);
             let Some(hit) = world.closest(&ray) else {
-                return (0.0, Vec3::ZERO, 0.0, 0.0, sky_color(ray.direction).as_vec3(), Surface::Lit);
+                return ExactPixel { color: sky_color(ray.direction).as_vec3(), ..ExactPixel::default() };
             };
             let point = world.point(&ray, &hit);
             // Depth depends on view-space z alone.
             let on_axis = glam::DVec3::new(0.0, 0.0, hit.t * z_per_metre);
-            (
-                view_to_clip.project_point3(on_axis).z.clamp(0.0, 1.0),
-                world_to_view.transform_vector3(point.normal).normalize_or_zero().as_vec3(),
-                half(point.reflectivity),
-                half(point.roughness),
-                world.color(&ray, &point).as_vec3(),
-                point.surface,
-            )
+            ExactPixel {
+                depth: view_to_clip.project_point3(on_axis).z.clamp(0.0, 1.0),
+                normal: world_to_view.transform_vector3(point.normal).normalize_or_zero().as_vec3(),
+                reflectivity: half(point.reflectivity),
+                roughness: half(point.roughness),
+                color: world.color(&ray, &point).as_vec3(),
+                surface: point.surface,
+            }
         };
         let pixels: Vec<_> = (0..width as usize * height as usize).into_par_iter().map(pixel).collect();
         Self {
-            depth: pixels.iter().map(|p| p.0).collect(),
+            depth: pixels.iter().map(|p| p.depth).collect(),
             data: GBufferData {
                 width,
                 height,
                 camera: *camera,
-                depth: pixels.iter().map(|p| p.0 as f32).collect(),
-                normal: pixels.iter().map(|p| p.1).collect(),
-                reflectivity: pixels.iter().map(|p| p.2).collect(),
-                roughness: pixels.iter().map(|p| p.3).collect(),
-                color: pixels.iter().map(|p| p.4).collect(),
-                surface: pixels.iter().map(|p| p.5).collect(),
+                depth: pixels.iter().map(|p| p.depth as f32).collect(),
+                normal: pixels.iter().map(|p| p.normal).collect(),
+                reflectivity: pixels.iter().map(|p| p.reflectivity).collect(),
+                roughness: pixels.iter().map(|p| p.roughness).collect(),
+                color: pixels.iter().map(|p| p.color).collect(),
+                surface: pixels.iter().map(|p| p.surface).collect(),
             },
         }
     }
+}
+
+/// A pixel of an [`ExactGBuffer`], with its normal in view space. The default is a pixel of sky.
+#[derive(Default)]
+struct ExactPixel {
+    depth: f64,
+    normal: Vec3,
+    reflectivity: f32,
+    roughness: f32,
+    color: Vec3,
+    surface: Surface,
 }
 
 /// Inputs of one ladder.
@@ -154,11 +165,9 @@ impl Truth {
         let world = World::new(spec.scene, &materials);
         let exact = ExactGBuffer::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
         let mask = exact.data.reflecting();
-        let all_mirrors =
-            mask.iter().zip(&exact.data.roughness).all(|(reflects, roughness)| !reflects || *roughness <= 0.0);
-        let screen = screen(&exact.data, &mask, spec);
+        let screen = screen_reference(&exact.data, &mask, spec);
         Self {
-            hits: all_mirrors.then(|| oracle_hits(&exact.data, &mask)),
+            hits: are_mirrors(&exact.data).then(|| oracle_hits(&exact.data, &mask)),
             color: screen.color.iter().map(Vec3::to_array).collect(),
             standard_error: screen.overall_standard_error,
             exact,
@@ -176,14 +185,14 @@ impl Truth {
         color: &[[f32; 3]],
         hits: Option<&Hits>,
     ) -> PrecisionRecord {
-        let true_and_own_hits = self.hits.as_ref().zip(hits);
+        let hit_pair = self.hits.as_ref().zip(hits);
         let is_lost = |(reflects, depth): &(&bool, &f32)| **reflects && **depth <= 0.0;
         PrecisionRecord {
             head: Head::new("precision", spec.gpu, (spec.scene, spec.view), subject, &spec.setup, &spec.globals),
             storage,
             bytes_per_pixel: storage.bytes_per_pixel(),
             lost: self.mask.iter().zip(&stored.depth).filter(is_lost).count(),
-            hits: true_and_own_hits.map(|(truth, own)| HitAgreement::new(&self.mask, own, truth)).unwrap_or_default(),
+            hits: hit_pair.map(|(truth, hits)| HitAgreement::new(&self.mask, hits, truth)).unwrap_or_default(),
             rmse: masked_rmse(&self.color, color, &self.mask),
             standard_error: self.standard_error,
         }
@@ -192,7 +201,7 @@ impl Truth {
 
 /// Renders the screen reference of a G-buffer in the pixels of `mask`. The seed, 3, is equal for all G-buffers, so that
 /// their references differ by the G-buffers alone.
-fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
+fn screen_reference(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
     let bounces = spec.setup.effect().bounces;
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, bounces };
     ScreenReference::render(data, mask, sampling, &|| ())
@@ -273,7 +282,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     for storage in Storage::ladder() {
         let stored = storage.store(&truth.exact);
         if truth.hits.is_some() {
-            let color: Vec<_> = screen(&stored, &truth.mask, spec).color.iter().map(Vec3::to_array).collect();
+            let color: Vec<_> = screen_reference(&stored, &truth.mask, spec).color.iter().map(Vec3::to_array).collect();
             let hits = oracle_hits(&stored, &truth.mask);
             records.push(truth.record(
                 spec,
@@ -283,15 +292,14 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
                 Some(&hits),
             ));
         }
-        // A method that follows the oracle loads normals and colours as 16-bit floats alone; the other methods see 32-bit
-        // floats.
+        // A method that follows the oracle loads normals and colours as 16-bit floats; other methods see 32-bit floats.
         let images_32_bit = GBufferImages::upload_wide(&mut context, &stored)?;
         let images_16_bit = GBufferImages::upload(&mut context, &stored)?;
         for (method, effect) in &effects {
             let images = if method.follows_oracle { &images_16_bit } else { &images_32_bit };
             let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };
             let output = reflect_at_rest(&mut context, effect, &input)?;
-            let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();
+            let color = rgb(&reflection(&mut context, &output)?);
             let hit_image = output.traced.hits.map(|hits| context.read(hits.0.all())).transpose()?;
             let hits = hit_image.map(|image| hit_positions(&image));
             records.push(truth.record(spec, RecordSubject::Method(method), (storage, &stored), &color, hits.as_ref()));

@@ -98,7 +98,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The name in tables.
+    /// Returns the name in tables.
     fn name(self) -> &'static str {
         match self {
             Self::Same => "same",
@@ -157,7 +157,7 @@ pub fn variants(extent: [u32; 2], is_cpu: bool) -> Result<Vec<Variant>> {
 pub const ON_SCREEN: &str = "unified on the screen";
 
 /// Returns the README's name of the variant that a record is about.
-fn name(head: &Head) -> String {
+fn variant_name(head: &Head) -> String {
     let is_on_screen = head.method == "unified" && head.setting("beyond") == "none";
     if is_on_screen { ON_SCREEN.to_owned() } else { head.method.clone() }
 }
@@ -167,18 +167,18 @@ impl MeasuredRecords<'_> {
     fn value(&self, quoted: &QuotedNumber) -> Option<f64> {
         let figure_of = |variant: &str| match quoted.figure {
             Figure::Time => {
-                let mut records = self.times.iter().filter(|r| is_of(&r.head, quoted, variant));
+                let mut records = self.times.iter().filter(|r| is_record_of(&r.head, quoted, variant));
                 records.next().map(|r| r.total.median_ms)
             }
             Figure::Error => {
                 let against = if quoted.variant == ON_SCREEN { ErrorReference::Screen } else { ErrorReference::World };
-                let record = self.error(quoted, variant, against)?;
+                let record = self.error_record(quoted, variant, against)?;
                 // The variance of the reference is subtracted, since it is no error of the method.
                 let noise = record.image.standard_error.unwrap_or_default();
                 record.image.rmse.map(|rmse| (rmse * rmse - noise * noise).max(0.0).sqrt())
             }
-            Figure::Ends => self.error(quoted, variant, ErrorReference::World)?.place_agreement,
-            Figure::Hits => self.error(quoted, variant, ErrorReference::Oracle)?.hits.hit_agreement,
+            Figure::Ends => self.error_record(quoted, variant, ErrorReference::World)?.place_agreement,
+            Figure::Hits => self.error_record(quoted, variant, ErrorReference::Oracle)?.hits.hit_agreement,
             Figure::Elsewhere => None,
         };
         let value = figure_of(&quoted.variant)?;
@@ -190,16 +190,15 @@ impl MeasuredRecords<'_> {
     }
 
     /// Finds the record of a variant's error against a reference, on the view of a number of the README.
-    fn error(&self, quoted: &QuotedNumber, variant: &str, against: ErrorReference) -> Option<&ErrorRecord> {
-        self.errors.iter().find(|r| r.against == against && is_of(&r.head, quoted, variant))
+    fn error_record(&self, quoted: &QuotedNumber, variant: &str, against: ErrorReference) -> Option<&ErrorRecord> {
+        self.errors.iter().find(|r| r.against == against && is_record_of(&r.head, quoted, variant))
     }
 }
 
 /// Whether a record is about the variant, and has the scene, view and roughness for which the README quotes the number.
-fn is_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
-    let is_there = head.scene == quoted.scene && head.view == quoted.view && name(head) == variant;
-    let near = |a: f32, b: f32| (a - b).abs() < 1e-6;
-    is_there && head.roughness.zip(quoted.roughness).is_some_and(|(a, b)| near(a, b))
+fn is_record_of(head: &Head, quoted: &QuotedNumber, variant: &str) -> bool {
+    let is_of_variant_on_view = head.scene == quoted.scene && head.view == quoted.view && variant_name(head) == variant;
+    is_of_variant_on_view && head.roughness.zip(quoted.roughness).is_some_and(|(a, b)| (a - b).abs() < 1e-6)
 }
 
 /// Reads the README's numbers: for each number, its value on each of its views.
@@ -235,13 +234,13 @@ pub fn compare(measured: &MeasuredRecords) -> Result<Vec<ReadmeRecord>> {
     Ok(records)
 }
 
-/// Says whether the number `there` of the README's records and the number `here` that was measured are the same within
-/// the figure's tolerance.
-fn verdict(figure: Figure, (there, here): (f64, f64)) -> Verdict {
+/// Says whether a number of the README's records and the number that was measured here are the same within the figure's
+/// tolerance.
+fn verdict(figure: Figure, (quoted, measured): (f64, f64)) -> Verdict {
     let is_same = match figure {
-        Figure::Time => (here / there - 1.0).abs() <= TIME_TOLERANCE,
-        Figure::Error => (here / there - 1.0).abs() <= ERROR_TOLERANCE,
-        Figure::Ends | Figure::Hits => (here - there).abs() <= SHARE_TOLERANCE,
+        Figure::Time => (measured / quoted - 1.0).abs() <= TIME_TOLERANCE,
+        Figure::Error => (measured / quoted - 1.0).abs() <= ERROR_TOLERANCE,
+        Figure::Ends | Figure::Hits => (measured - quoted).abs() <= SHARE_TOLERANCE,
         Figure::Elsewhere => return Verdict::NotComparable,
     };
     if is_same { Verdict::Same } else { Verdict::Other }
@@ -265,7 +264,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         100.0 * ERROR_TOLERANCE,
         100.0 * SHARE_TOLERANCE,
     );
-    let head = [
+    let header = [
         "verdict",
         "where",
         "row",
@@ -278,7 +277,7 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
         "README measured on",
         "measured by",
     ];
-    let mut cells = vec![head.map(str::to_owned).to_vec()];
+    let mut cells = vec![header.map(str::to_owned).to_vec()];
     let (not_comparable, compared): (Vec<_>, Vec<_>) =
         records.iter().partition(|r| r.verdict == Verdict::NotComparable);
     for r in compared.into_iter().chain(not_comparable) {
@@ -307,9 +306,8 @@ pub fn table(records: &[ReadmeRecord]) -> Table {
 mod tests {
     use super::*;
 
-    /// Tests that each number can be measured on the views here, or names another command.
     #[test]
-    fn every_number_is_of_a_view_that_is_measured_or_of_another_command() {
+    fn each_number_is_measured_on_the_views_here_or_names_another_command() {
         let all = quoted_numbers().unwrap();
         let names = ["ssct", "hzct", ON_SCREEN, "unified", "traced"];
         for q in &all {
@@ -323,9 +321,8 @@ mod tests {
         assert!(all.iter().filter(|q| q.figure == Figure::Error).count() > 10);
     }
 
-    /// Tests the tolerances of times, errors and shares.
     #[test]
-    fn a_number_is_the_same_within_what_its_figure_allows() {
+    fn a_number_is_the_same_within_the_tolerance_of_its_figure() {
         assert_eq!(verdict(Figure::Time, (0.40, 0.43)), Verdict::Same);
         assert_eq!(verdict(Figure::Time, (0.40, 0.45)), Verdict::Other);
         assert_eq!(verdict(Figure::Error, (0.40, 0.43)), Verdict::Other);
@@ -334,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn without_measurements_nothing_compares() {
+    fn without_measurements_no_number_is_comparable() {
         let records = compare(&MeasuredRecords { times: &[], errors: &[] }).unwrap();
         assert!(records.len() > 20 && records.iter().all(|r| r.verdict == Verdict::NotComparable && r.views == 0));
         let table = table(&records);

@@ -1,7 +1,7 @@
 //! Records: the subject and the result of a measurement, as one JSON object (docs/definitions.md, "Records").
 
 use super::columns::{Column, ColumnSet, Columns, columns, nested, part, time, times};
-use super::names::roughness;
+use super::names::roughness_name;
 use crate::stage::Globals;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
@@ -89,7 +89,7 @@ impl Provenance {
 
     /// Returns the commit that the program was built from, with a remark if the program uses shaders of another folder.
     pub fn commit() -> String {
-        let remark = if ssct::gpu::sources::named().is_some() { " with other shaders" } else { "" };
+        let remark = if ssct::gpu::sources::named_folder().is_some() { " with other shaders" } else { "" };
         format!("{}{remark}", Self::COMMIT)
     }
 
@@ -110,7 +110,7 @@ pub type RecordedSetup = Map<String, Json>;
 
 /// Collects everything that is set for a measurement: the setup with the parameters of the effect and of `method`, the
 /// lens and the global factors, by name.
-pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
+pub fn recorded_setup(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
     let named = |(name, value): (&str, Value)| (name.to_owned(), json!(value));
     let mut all: RecordedSetup = setup.recorded(method).into_iter().map(named).collect();
     // Only the records of orthographic cameras have this name.
@@ -132,7 +132,7 @@ pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals
 }
 
 /// Returns a value of a [`RecordedSetup`] as text; null is an empty text.
-pub fn cell(value: &Json) -> String {
+pub fn setting_text(value: &Json) -> String {
     match value {
         Json::Null => String::new(),
         Json::String(text) => text.clone(),
@@ -192,13 +192,13 @@ impl Head {
             width: setup.extent[0],
             height: setup.extent[1],
             roughness: globals.roughness,
-            setup: recorded(setup, method, &view.lens.unwrap_or(scene.lens), globals),
+            setup: recorded_setup(setup, method, &view.lens.unwrap_or(scene.lens), globals),
         }
     }
 
     /// Returns a value of the setup as text; empty if it is null or missing.
     pub fn setting(&self, name: &str) -> String {
-        self.setup.get(name).map(cell).unwrap_or_default()
+        self.setup.get(name).map(setting_text).unwrap_or_default()
     }
 
     /// Returns the method's name, followed by " + " and the fallback if it has one.
@@ -215,9 +215,9 @@ impl Head {
     pub fn line_name(&self, all: &[&Self], first: &str) -> String {
         let method = |h: &Self| h.method_and_fallback();
         let place = |h: &Self| format!("{} {}", h.scene, h.view);
-        let rough = |h: &Self| format!("r {}", roughness(h.roughness));
+        let roughness = |h: &Self| format!("r {}", roughness_name(h.roughness));
         let size = |h: &Self| format!("{} × {}", h.width, h.height);
-        let properties: [&dyn Fn(&Self) -> String; 4] = [&method, &place, &rough, &size];
+        let properties: [&dyn Fn(&Self) -> String; 4] = [&method, &place, &roughness, &size];
         let differing = properties
             .iter()
             .filter(|property| all.iter().any(|other| property(other) != property(self)))
@@ -229,13 +229,13 @@ impl Head {
     /// Returns the name of the record's variant: the method, its fallback, the preset unless it is the default, and the
     /// parameters that differ from the preset's values.
     pub fn variant(&self) -> String {
-        let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::reads);
-        let has_presets = rows.iter().any(|row| row.author != row.published);
+        let parameters =
+            methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::read_parameters);
+        let has_presets = parameters.iter().any(|p| p.author != p.published);
         let preset = Some(self.preset.name()).filter(|_| has_presets && self.preset != Preset::default());
         // The fallback stands behind the method already.
-        let is_no_fallback = |row: &&Parameter| row.name != "fallback";
-        let changed =
-            rows.iter().filter(is_no_fallback).filter_map(|row| differing(row, self.preset, &self.setting(row.name)));
+        let others = parameters.iter().filter(|p| p.name != "fallback");
+        let changed = others.filter_map(|p| changed_value(p, self.preset, &self.setting(p.name)));
         let words = preset.map(str::to_owned).into_iter().chain(changed);
         words.fold(self.method_and_fallback(), |name, word| format!("{name} {word}"))
     }
@@ -246,7 +246,7 @@ impl Columns for Head {
         let tables = [
             Column::derived("scene view", 0, |h: &Self| format!("{} {}", h.scene, h.view)),
             Column::derived("size", 0, |h: &Self| format!("{}x{}", h.width, h.height)),
-            Column::derived("roughness", 0, |h: &Self| roughness(h.roughness)),
+            Column::derived("roughness", 0, |h: &Self| roughness_name(h.roughness)),
             Column::derived("method", 0, Self::variant),
         ];
         let files = [
@@ -264,20 +264,20 @@ impl Columns for Head {
 
 /// Describes a parameter's value in a few words, if it differs from the preset's; `text` is the value in a record.
 /// `None` if it does not differ, or if the text is empty, since the record is older than the parameter.
-pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
-    if text.is_empty() || text == cell(&json!(row.preset_value(preset))) {
+pub fn changed_value(parameter: &Parameter, preset: Preset, text: &str) -> Option<String> {
+    if text.is_empty() || text == setting_text(&json!(parameter.preset_value(preset))) {
         return None;
     }
-    Some(match row.domain {
-        Domain::Switch if text == "true" => row.typed_name(),
-        Domain::Switch => format!("no {}", row.typed_name()),
+    Some(match parameter.domain {
+        Domain::Switch if text == "true" => parameter.typed_name(),
+        Domain::Switch => format!("no {}", parameter.typed_name()),
         // A number, "on" or "off" does not explain itself without the parameter's name; other choices do.
         Domain::Choices(_) | Domain::ChoicesOrCount(..)
-            if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) && text != "on" =>
+            if parameter.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) && text != "on" =>
         {
             text.to_owned()
         }
-        _ => format!("{} {text}", row.typed_name()),
+        _ => format!("{} {text}", parameter.typed_name()),
     })
 }
 
@@ -340,15 +340,15 @@ impl TimeRecord {
     }
 
     /// Returns the names and the median milliseconds of the passes that count towards the time of the method, as
-    /// [`Self::grouped`] does.
+    /// [`Self::group_medians`] does.
     pub fn stages(&self) -> Vec<(String, f64)> {
-        self.grouped(true)
+        self.group_medians(true)
     }
 
     /// Returns the names and the median milliseconds of the passes that count, or of those that do not, in order. The
     /// passes of one [`group_of`] become one: their times are added up in each frame. Without samples, their medians
     /// are added up.
-    pub fn grouped(&self, counted: bool) -> Vec<(String, f64)> {
+    pub fn group_medians(&self, counted: bool) -> Vec<(String, f64)> {
         let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
         for (n, pass) in self.passes.iter().enumerate().filter(|(_, p)| p.counted == counted) {
             let name = group_of(&pass.name);
@@ -393,13 +393,12 @@ pub(crate) mod tests {
         candidates.into_iter().find(|c| *c != value && parameter.domain.has(*c)).expect("more than one value")
     }
 
-    /// Tests that changing one parameter changes the value with its name in the recorded setup, and no other value.
     #[test]
-    fn a_changed_parameter_changes_the_recorded_setup_of_each_method_that_reads_it() {
+    fn a_changed_parameter_changes_its_value_in_the_recorded_setup_and_no_other() {
         for method in METHODS {
             for preset in [Preset::Published, Preset::Author] {
                 let base = Setup::new([64, 48]).of_preset(preset);
-                for parameter in method.reads() {
+                for parameter in method.read_parameters() {
                     let mut changed = base.clone();
                     changed.values.set(&parameter, another(&parameter, base.values.value(&parameter)));
                     let (before, after) = (base.recorded(Some(method)), changed.recorded(Some(method)));

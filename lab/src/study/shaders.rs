@@ -8,9 +8,9 @@ pub mod kinds;
 use super::columns::{columns, part, series, time};
 use super::engine::{Bench, LastMade, Planned, Row, Study};
 use super::error::Variant;
-use super::exhibit::Table;
+use super::exhibit::{Table, distinct};
 use super::journal::scene_digest;
-use super::names::cell_name;
+use super::names::{cell_name, roughness_name};
 use super::record::{Head, Provenance, RecordSubject};
 use crate::error::Result;
 use crate::stage::{Globals, Shot, Stage};
@@ -86,12 +86,17 @@ impl ShaderRecord {
         self.statistics.iter().find(|s| s.name == name).map(|s| s.value)
     }
 
+    /// Returns the names of the variant and of its roughness, which tell the frames of a run apart.
+    fn variant_and_roughness(&self) -> (String, String) {
+        (self.head.variant(), roughness_name(self.head.roughness))
+    }
+
     /// Returns the values that tell the record from the others of a run: variant, roughness, when the program runs,
     /// program, constants and stage.
     pub fn identity(&self) -> [String; 6] {
-        let Self { head, runs_in, program, constants, stage, .. } = self;
-        let roughness = super::names::roughness(head.roughness);
-        [head.variant(), roughness, runs_in.clone(), program.clone(), constants.clone(), stage.clone()]
+        let Self { runs_in, program, constants, stage, .. } = self;
+        let (variant, roughness) = self.variant_and_roughness();
+        [variant, roughness, runs_in.clone(), program.clone(), constants.clone(), stage.clone()]
     }
 }
 
@@ -116,11 +121,11 @@ fn statistic_text(value: Option<f64>) -> String {
     }
 }
 
-const FRAMES_TABLE: &str = "What the programs of one frame come to while the camera moves: each program once, however many \
+const ABOUT_FRAMES: &str = "What the programs of one frame come to while the camera moves: each program once, however many \
     passes run it. Counts of instructions and cycles are sums, registers and memory the greatest of a program, and subgroups \
     that fit the least.";
 
-const PROGRAMS_TABLE: &str = "Every program, by the driver's own names of what it counts (docs/devices.md says what they are \
+const ABOUT_PROGRAMS: &str = "Every program, by the driver's own names of what it counts (docs/devices.md says what they are \
     called elsewhere). Programs that run before the first frame are made once. With a history, frames of a camera at rest \
     run another program than those of one that moves.";
 
@@ -137,10 +142,10 @@ impl Row for ShaderRecord {
         let names = statistic_names(rows);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
         let every =
-            Table::new("programs", "Programs", PROGRAMS_TABLE, programs(rows, &names.iter().collect::<Vec<_>>()));
+            Table::new("programs", "Programs", ABOUT_PROGRAMS, program_cells(rows, &names.iter().collect::<Vec<_>>()));
         vec![
-            Table::new("frames", "Frames", FRAMES_TABLE, frames(rows, &main)),
-            Table::new("main", "Programs of frames", "", programs_of_frames(rows, &main)),
+            Table::new("frames", "Frames", ABOUT_FRAMES, frame_cells(rows, &main)),
+            Table::new("main", "Programs of frames", "", frame_program_cells(rows, &main)),
             Table { is_large: true, ..every },
         ]
     }
@@ -148,19 +153,18 @@ impl Row for ShaderRecord {
 
 /// Makes the cells of a table with a line for each variant and roughness, which combines the statistics `names` over
 /// the programs of a frame.
-fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
+fn frame_cells(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let folded: Vec<(&String, Fold)> =
         names.iter().filter_map(|name| Some((*name, Kind::named(name).fold()?))).collect();
     let header = ["method", "roughness", "programs"].map(str::to_owned).into_iter();
     let mut cells = vec![header.chain(folded.iter().map(|(name, _)| (*name).clone())).collect()];
-    let variant_and_roughness = |r: &ShaderRecord| (r.head.variant(), super::names::roughness(r.head.roughness));
-    for (variant, roughness) in super::exhibit::distinct(rows.iter().map(variant_and_roughness)) {
-        let is_here = |r: &&ShaderRecord| variant_and_roughness(r) == (variant.clone(), roughness.clone());
-        let of_frame: Vec<&ShaderRecord> = rows.iter().filter(|r| r.runs_in == FRAME && is_here(r)).collect();
+    for (variant, roughness) in distinct(rows.iter().map(ShaderRecord::variant_and_roughness)) {
+        let is_here = |r: &&ShaderRecord| r.variant_and_roughness() == (variant.clone(), roughness.clone());
+        let frame_programs: Vec<&ShaderRecord> = rows.iter().filter(|r| r.runs_in == FRAME && is_here(r)).collect();
         let value = |(name, fold): &(&String, Fold)| {
-            statistic_text(of_frame.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
+            statistic_text(frame_programs.iter().filter_map(|r| r.statistic(name)).reduce(|a, b| fold.join(a, b)))
         };
-        let count = of_frame.len().to_string();
+        let count = frame_programs.len().to_string();
         cells.push([variant, roughness, count].into_iter().chain(folded.iter().map(value)).collect());
     }
     cells
@@ -168,13 +172,13 @@ fn frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
 
 /// Makes the cells of a table with a line for each program that frames run, and columns for the statistics `names`.
 /// Programs whose lines are equal share one line.
-fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
+fn frame_program_cells(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
     let header = ["program", "constants", "stage", "subgroup"].map(str::to_owned).into_iter();
     let mut cells: Vec<Vec<String>> = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
     for r in rows.iter().filter(|r| r.runs_in != PREPARE) {
-        let own = [r.program.clone(), r.constants.clone(), r.stage.clone(), r.subgroup_size.to_string()];
+        let labels = [r.program.clone(), r.constants.clone(), r.stage.clone(), r.subgroup_size.to_string()];
         let row: Vec<String> =
-            own.into_iter().chain(names.iter().map(|name| statistic_text(r.statistic(name)))).collect();
+            labels.into_iter().chain(names.iter().map(|name| statistic_text(r.statistic(name)))).collect();
         if !cells.contains(&row) {
             cells.push(row);
         }
@@ -183,13 +187,13 @@ fn programs_of_frames(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<Strin
 }
 
 /// Makes the cells of a table with a line for each record, and columns for the statistics `names`.
-fn programs(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
-    let header = ["method", "roughness", "runs in", "program", "constants", "stage", "subgroup", "passes"];
-    let header = header.map(str::to_owned).into_iter();
+fn program_cells(rows: &[ShaderRecord], names: &[&String]) -> Vec<Vec<String>> {
+    let labels = ["method", "roughness", "runs in", "program", "constants", "stage", "subgroup", "passes"];
+    let header = labels.map(str::to_owned).into_iter();
     let mut cells = vec![header.chain(names.iter().map(|name| (*name).clone())).collect()];
     for r in rows {
-        let own = r.identity().into_iter().chain([r.subgroup_size.to_string(), r.passes.clone()]);
-        cells.push(own.chain(names.iter().map(|name| statistic_text(r.statistic(name)))).collect());
+        let labels = r.identity().into_iter().chain([r.subgroup_size.to_string(), r.passes.clone()]);
+        cells.push(labels.chain(names.iter().map(|name| statistic_text(r.statistic(name)))).collect());
     }
     cells
 }
@@ -254,16 +258,16 @@ pub fn compiled(
     for _ in 0..FRAMES_AT_REST {
         stage.run(&shot, Mode::Plain)?;
     }
-    let mut rested = gpu.take_programs()?;
+    let mut at_rest = gpu.take_programs()?;
     shot.camera.world_to_view = Mat4::from_translation(Vec3::X * MOVED_M) * camera.world_to_view;
     stage.run(&shot, Mode::Plain)?;
-    let mut moved = gpu.take_programs()?;
-    moved.retain(|p| p.counted);
-    let is_of_rest_alone =
-        |p: &CompiledProgram| moved.iter().all(|m| (&m.program, &m.constants) != (&p.program, &p.constants));
-    rested.retain(|p| p.counted && is_of_rest_alone(p));
+    let mut in_motion = gpu.take_programs()?;
+    in_motion.retain(|p| p.counted);
+    let runs_at_rest_alone =
+        |p: &CompiledProgram| in_motion.iter().all(|m| (&m.program, &m.constants) != (&p.program, &p.constants));
+    at_rest.retain(|p| p.counted && runs_at_rest_alone(p));
     let head = Head::new("shaders", &gpu, (scene, view), RecordSubject::Method(method), &setup, globals);
-    let all = [(FRAME, &moved), (FRAME_AT_REST, &rested), (PREPARE, &prepared)];
+    let all = [(FRAME, &in_motion), (FRAME_AT_REST, &at_rest), (PREPARE, &prepared)];
     Ok(all.into_iter().flat_map(|(runs_in, programs)| records(&head, runs_in, programs)).collect())
 }
 
@@ -273,7 +277,7 @@ impl ShaderRecord {
     pub fn table(records: &[Self]) -> Table {
         let names = statistic_names(records);
         let main: Vec<&String> = names.iter().filter(|name| Kind::named(name).is_main()).collect();
-        Table::new("shaders", "Programs", PROGRAMS_TABLE, programs_of_frames(records, &main))
+        Table::new("shaders", "Programs", ABOUT_PROGRAMS, frame_program_cells(records, &main))
     }
 }
 

@@ -90,9 +90,9 @@ mod tests {
             turned.rotate_left(turn % cells.len());
             turned.reverse();
             let owner_of_turned = owners(&turned, count);
-            for (cell, own) in cells.iter().zip(&owner) {
+            for (cell, shard) in cells.iter().zip(&owner) {
                 let index = turned.iter().position(|c| c == cell).unwrap();
-                prop_assert_eq!(*own, owner_of_turned[index]);
+                prop_assert_eq!(*shard, owner_of_turned[index]);
             }
             let counts: Vec<_> = (1..=count).map(|shard| owner.iter().filter(|o| **o == shard).count()).collect();
             prop_assert_eq!(counts.iter().sum::<usize>(), cells.len());

@@ -27,7 +27,7 @@ fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Opti
     match value {
         Value::Array(items) => items.iter().find_map(|item| range_fault(item, ranges)),
         Value::Object(fields) => {
-            fields.iter().filter(|(name, _)| *name != SETUP).find_map(|(name, value)| field(name, value, ranges))
+            fields.iter().filter(|(name, _)| *name != SETUP).find_map(|(name, value)| field_fault(name, value, ranges))
         }
         _ => None,
     }
@@ -35,7 +35,7 @@ fn range_fault(value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Opti
 
 /// Finds the fault of a field: a number out of its range, a method's name that is not safe in a file's name, or a fault
 /// in a part of the value. `None` if the value is possible.
-fn field(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
+fn field_fault(name: &str, value: &Value, ranges: &BTreeMap<&'static str, [f64; 2]>) -> Option<String> {
     if let (Some([least, most]), Some(number)) = (ranges.get(name), value.as_f64()) {
         let is_possible = number >= *least && number <= *most;
         return (!is_possible).then(|| format!("has the {name} {number}, which cannot be"));
@@ -80,26 +80,21 @@ mod tests {
     columns! {
         /// A row.
         struct Row {
-            /// An error.
             pub rmse: f64 = figure(""),
-            /// A share.
             pub agreement: f64 = figure("").share(),
-            /// A quality, which may be below 0.
             pub quality: f64 = figure("").signed(),
-            /// A time.
             pub time_ms: f64 = time(""),
         }
     }
 
-    /// Tests that an impossible value of a record or of a sample is found and named.
     #[test]
-    fn what_no_measurement_finds_is_named() {
+    fn an_impossible_value_of_a_record_or_a_sample_is_found_and_named() {
         let good = json!({
             "width": 8, "height": 8, "rmse": 0.0, "agreement": 1.0, "quality": -3.0, "time_ms": 1.5, "method": "ssct",
             "captures": [[-1.0, 0.0, 2.0]], "setup": {"rmse": -1.0}, "missing": null,
         });
         assert_eq!(fault::<Row>(&good), None);
-        for (name, value, said) in [
+        for (name, value, message) in [
             ("rmse", json!(-1e-9), "has the rmse -0.000000001, which cannot be"),
             ("agreement", json!(1.5), "has the agreement 1.5, which cannot be"),
             ("time_ms", json!(-1.0), "has the time_ms -1, which cannot be"),
@@ -110,7 +105,7 @@ mod tests {
         ] {
             let mut bad = good.clone();
             bad[name] = value;
-            assert_eq!(fault::<Row>(&bad).as_deref(), Some(said));
+            assert_eq!(fault::<Row>(&bad).as_deref(), Some(message));
         }
         assert_eq!(fault_of_sample(&json!({"report": {"passes": [{"ms": 1.0}]}})), None);
         let negative = json!({"report": {"passes": [{"ms": -1.0}]}});

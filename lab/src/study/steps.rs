@@ -102,7 +102,7 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     let steps_alone = |(x, y): &(u32, u32)| screen_alone.mirror_steps(*x, *y);
     let steps_alone: Vec<u32> = pixels.par_iter().filter_map(steps_alone).collect();
 
-    let (captures, bounds) = captures(gpu, scene, view, globals)?;
+    let (captures, bounds) = draw_captures(gpu, scene, view, globals)?;
     let screen_before = screen_alone.followed();
     let beyond = CaptureTraversal::new(&data.camera, &captures).with_bounds(bounds);
     let steps_before = |(x, y): &(u32, u32)| screen_before.mirror_steps(*x, *y);
@@ -134,7 +134,7 @@ fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
 
 /// Places four captures in the scene, as the program does, and draws them on the device. Returns the captures, and the
 /// scene's bounds.
-fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<(Vec<CaptureData>, Aabb)> {
+fn draw_captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<(Vec<CaptureData>, Aabb)> {
     let mut scene = scene.clone();
     placement::with_captures(&mut scene, WantedCaptures::Count(4));
     let materials = globals.materials(&scene, view);
@@ -151,14 +151,20 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
 impl StepsRecord {
     /// Makes the record from the number of steps of each ray. The rays are in the order of [`blocks`], so that each
     /// [`LANES`] consecutive rays form a group of threads that wait for each other.
-    fn from_steps(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
-        let groups = all.chunks(LANES);
+    fn from_steps(
+        gpu: &Gpu,
+        [scene, view]: [&str; 2],
+        data: &GBufferData,
+        images: StepsIn,
+        mut steps: Vec<u32>,
+    ) -> Self {
+        let groups = steps.chunks(LANES);
         let group_count = groups.len();
         let most_in_groups = groups.map(|group| f64::from(group.iter().copied().max().unwrap_or(0)));
         let mean_of_eight = most_in_groups.sum::<f64>() / group_count.max(1) as f64;
-        all.sort_unstable();
+        steps.sort_unstable();
         // The number of steps that a share of the rays does not exceed.
-        let rank = |share: f64| all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1)));
+        let rank = |share: f64| steps.get(((steps.len() as f64 * share) as usize).min(steps.len().saturating_sub(1)));
         Self {
             kind: "steps".into(),
             program: Provenance::on(gpu),
@@ -167,12 +173,12 @@ impl StepsRecord {
             width: data.width,
             height: data.height,
             images,
-            rays: all.len(),
-            mean: all.iter().map(|n| f64::from(*n)).sum::<f64>() / all.len().max(1) as f64,
+            rays: steps.len(),
+            mean: steps.iter().map(|n| f64::from(*n)).sum::<f64>() / steps.len().max(1) as f64,
             mean_of_eight,
             median: rank(0.5).copied().unwrap_or(0),
             p99: rank(0.99).copied().unwrap_or(0),
-            most: all.last().copied().unwrap_or(0),
+            most: steps.last().copied().unwrap_or(0),
         }
     }
 }

@@ -13,7 +13,7 @@ pub use row::StressRow;
 pub use suite::StressStudy;
 
 use super::columns::{columns, figure, time};
-use super::record::{Provenance, RecordedSetup, recorded};
+use super::record::{Provenance, RecordedSetup, recorded_setup};
 use super::ties::is_tie;
 use crate::error::Result;
 use crate::stage::Globals;
@@ -41,9 +41,11 @@ pub const COMPARED_PIXELS: usize = 8192;
 /// Share of the compared pixels whose hits must agree with the oracle's; ties count as agreeing.
 pub const AGREEMENT: f64 = 0.9999;
 
-/// The greatest time of a frame that does not count as slow: a number of milliseconds, and milliseconds for each pixel.
-/// No method is nearly as slow on an idle device; an endless loop is slower, and so may be a frame on a busy machine.
-const SLOW_MS: (f64, f64) = (5_000.0, 0.02);
+/// A frame counts as slow if it takes more milliseconds than this, with [`SLOW_MS_PER_PIXEL`] added for each pixel. No
+/// method is nearly as slow on an idle device; an endless loop is slower, and so may be a frame on a busy machine.
+const SLOW_MS: f64 = 5_000.0;
+/// Milliseconds for each pixel (see [`SLOW_MS`]).
+const SLOW_MS_PER_PIXEL: f64 = 0.02;
 
 columns! {
     /// The result of a method on a case.
@@ -115,29 +117,35 @@ impl WrongPixels {
         let mut wrong = Self::default();
         let pixels = images.first().map_or(0, |p| p.values.len() / p.channels);
         for pixel in 0..pixels {
-            // Whether a channel of the pixel has each of the kinds of `wrong_kind`, in any image.
-            let mut has_kind = [false; 3];
-            for (_, image) in images.iter().enumerate().filter(|(n, _)| is_checked(*n, pixel)) {
-                let texel = &image.values[pixel * image.channels..][..image.channels];
-                texel.iter().filter_map(|v| wrong_kind(v.to_bits())).for_each(|kind| has_kind[kind] = true);
-            }
-            wrong.nan += usize::from(has_kind[0]);
-            wrong.inf += usize::from(has_kind[1]);
-            wrong.negative += usize::from(has_kind[2]);
+            let checked_images = images.iter().enumerate().filter(|(n, _)| is_checked(*n, pixel));
+            let channels =
+                checked_images.flat_map(|(_, image)| &image.values[pixel * image.channels..][..image.channels]);
+            let kinds: Vec<WrongKind> = channels.filter_map(|v| wrong_kind(*v)).collect();
+            wrong.nan += usize::from(kinds.contains(&WrongKind::Nan));
+            wrong.inf += usize::from(kinds.contains(&WrongKind::Infinite));
+            wrong.negative += usize::from(kinds.contains(&WrongKind::Negative));
         }
         wrong
     }
 }
 
-/// Returns the kind of a wrong number by the bits of an f32: 0 for a NaN, 1 for an infinity, 2 for a number below 0.
-/// `None` for any other number, including minus zero.
-fn wrong_kind(bits: u32) -> Option<usize> {
+/// A kind of number that no pixel may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum WrongKind {
+    Nan,
+    Infinite,
+    Negative,
+}
+
+/// Returns the kind of a wrong number, by its bits; `None` for any other number, including minus zero.
+fn wrong_kind(number: f32) -> Option<WrongKind> {
+    let bits = number.to_bits();
     let (exponent, mantissa) = (bits >> 23 & 0xff, bits & 0x7f_ffff);
     match (exponent, mantissa) {
-        (0xff, 0) => Some(1),
-        (0xff, _) => Some(0),
+        (0xff, 0) => Some(WrongKind::Infinite),
+        (0xff, _) => Some(WrongKind::Nan),
         // The sign is set, and another bit is, too.
-        _ if bits >> 31 == 1 && bits << 1 != 0 => Some(2),
+        _ if bits >> 31 == 1 && bits << 1 != 0 => Some(WrongKind::Negative),
         _ => None,
     }
 }
@@ -150,11 +158,11 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenMethods) -> Result<Vec<Str
     let truth = case.comparable.then(|| Truth::new(&data));
     let mut records = Vec::new();
     for n in 0..lineup.len() {
-        let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
+        let (method, frame) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
         let setup = Setup::on_screen(case.extent());
         let judged = JudgedFrame { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
-        let compared = truth.as_ref().and_then(|truth| truth.compare(&made, method));
-        records.push(made.judge(gpu, &judged, method, &data, compared));
+        let compared = truth.as_ref().and_then(|truth| truth.compare(&frame, method));
+        records.push(frame.judge(gpu, &judged, method, &data, compared));
     }
     Ok(records)
 }
@@ -184,10 +192,10 @@ impl<'a> Truth<'a> {
         Self { hierarchy, pixels, hits }
     }
 
-    /// Compares the hits `made` by a method with the oracle's; `None` for a method without hits. Ties are counted for
+    /// Compares the hits of a method's frame with the oracle's; `None` for a method without hits. Ties are counted for
     /// [`JUDGED`] alone, since each takes hundreds of rays to find.
-    fn compare(&self, made: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
-        let hits = hit_positions(made.hits.as_ref()?);
+    fn compare(&self, frame: &FrameImages, method: &MethodInfo) -> Option<ComparedRays> {
+        let hits = hit_positions(frame.hits.as_ref()?);
         let verdict = |n: usize| HitVerdict::compare(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
         let width = self.hierarchy.rays().gbuffer.width;
@@ -196,7 +204,7 @@ impl<'a> Truth<'a> {
             is_tie(&self.hierarchy, [pixel % width, pixel / width], hits[pixel as usize])
         };
         let ties = (method.name == JUDGED).then(|| wrong.par_iter().filter(is_tied).count());
-        Some(ComparedRays { rays: self.pixels.len(), wrong: wrong.len(), ties, least: AGREEMENT })
+        Some(ComparedRays { rays: self.pixels.len(), wrong: wrong.len(), ties, required_share: AGREEMENT })
     }
 }
 
@@ -209,7 +217,7 @@ struct ComparedRays {
     /// Wrong rays that differ by rounding alone; `None` if they were not counted.
     ties: Option<usize>,
     /// The share of the rays that must be right; ties count as right.
-    least: f64,
+    required_share: f64,
 }
 
 impl ComparedRays {
@@ -220,7 +228,7 @@ impl ComparedRays {
 
     /// Whether enough of the rays are right, with ties counted as right.
     fn passes(&self) -> bool {
-        (self.rays - self.wrong + self.ties.unwrap_or(0)) as f64 >= self.least * self.rays as f64
+        (self.rays - self.wrong + self.ties.unwrap_or(0)) as f64 >= self.required_share * self.rays as f64
     }
 }
 
@@ -245,8 +253,8 @@ impl FrameImages {
         data: &GBufferData,
         compared: Option<ComparedRays>,
     ) -> StressRecord {
-        // The composite, which is image 1, includes the lit colour, and is checked where this is sound.
-        let is_lit_soundly = |i: usize| data.color[i].to_array().iter().all(|v| wrong_kind(v.to_bits()).is_none());
+        // The composite, which is image 1, includes the lit colour, and is checked where the lit colour is sound.
+        let is_lit_soundly = |i: usize| data.color[i].to_array().iter().all(|v| wrong_kind(*v).is_none());
         let wrong =
             WrongPixels::count(&[&self.reflection, &self.composite], |image, i| image == 0 || is_lit_soundly(i));
         let exhausted = self.hits.as_ref().map(|hits| {
@@ -262,7 +270,7 @@ impl FrameImages {
             method: method.name.to_owned(),
             width: data.width,
             height: data.height,
-            setup: recorded(setup, Some(method), &data.camera.lens, globals),
+            setup: recorded_setup(setup, Some(method), &data.camera.lens, globals),
             pixels,
             nan: wrong.nan,
             inf: wrong.inf,
@@ -272,7 +280,7 @@ impl FrameImages {
             hit_agreement: compared.as_ref().and_then(ComparedRays::agreement),
             ties: compared.as_ref().and_then(|c| c.ties),
             time_ms,
-            slow: time_ms > SLOW_MS.0 + SLOW_MS.1 * pixels as f64,
+            slow: time_ms > SLOW_MS + SLOW_MS_PER_PIXEL * pixels as f64,
             judged: must_pass || method.name == JUDGED,
             pass: wrong == WrongPixels::default()
                 && exhausted.is_none_or(|n| n == 0)
@@ -345,13 +353,13 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<
         lineup.set_materials(&globals.materials(&lineup.scene, &view))?;
         let name = format!("{}, roughness {roughness}", place.name);
         let Some(data) = lineup.draw(camera)? else { continue };
-        let made = lineup.read_images()?;
+        let frames = lineup.read_images()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
         let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
-        records.extend(lineup.methods().zip(&made).map(|(m, made)| {
+        records.extend(lineup.methods().zip(&frames).map(|(m, frame)| {
             // The screen's oracle does not know hits in captures.
             let truth = truth.as_ref().filter(|_| m.is_screen_space());
-            made.judge(gpu, &judged, m, &data, truth.and_then(|truth| truth.compare(made, m)))
+            frame.judge(gpu, &judged, m, &data, truth.and_then(|truth| truth.compare(frame, m)))
         }));
     }
     Ok(records)
@@ -361,15 +369,13 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<
 mod tests {
     use super::*;
 
-    /// Tests the kinds of wrong numbers, and numbers that are not wrong.
     #[test]
     fn numbers_are_told_apart_by_their_bits() {
-        let float_kind = |v: f32| wrong_kind(v.to_bits());
         for sound in [0.0, -0.0, 1.0, 1e-45, f32::MAX] {
-            assert_eq!(float_kind(sound), None, "{sound}");
+            assert_eq!(wrong_kind(sound), None, "{sound}");
         }
-        assert_eq!([f32::NAN, -f32::NAN].map(float_kind), [Some(0); 2]);
-        assert_eq!([f32::INFINITY, f32::NEG_INFINITY].map(float_kind), [Some(1); 2]);
-        assert_eq!([-1.0, -1e-45, f32::MIN].map(float_kind), [Some(2); 3]);
+        assert_eq!([f32::NAN, -f32::NAN].map(wrong_kind), [Some(WrongKind::Nan); 2]);
+        assert_eq!([f32::INFINITY, f32::NEG_INFINITY].map(wrong_kind), [Some(WrongKind::Infinite); 2]);
+        assert_eq!([-1.0, -1e-45, f32::MIN].map(wrong_kind), [Some(WrongKind::Negative); 3]);
     }
 }

@@ -27,24 +27,22 @@ pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
 /// parameter's sweep. The same of the author's preset follows, if it has other values for the method, and then
 /// combinations of several parameters.
 pub fn setups(method: &MethodInfo, base: &Setup) -> Vec<Setup> {
-    let rows = method.reads();
+    let parameters = method.read_parameters();
     let mut all: Vec<Setup> = Vec::new();
     for preset in [Preset::Published, Preset::Author] {
-        if preset == Preset::Author && !rows.iter().any(|p| p.author != p.published) {
+        if preset == Preset::Author && !parameters.iter().any(|p| p.author != p.published) {
             continue;
         }
         let preset_setup = base.of_preset(preset);
         all.push(preset_setup.clone());
-        for row in &rows {
-            let other_values = row
-                .sweep
-                .iter()
-                .filter(|(swept_preset, value)| *swept_preset == preset && preset_setup.values.value(row) != *value);
-            all.extend(other_values.map(|(_, value)| {
-                let mut setup = preset_setup.clone();
-                setup.values.set(row, *value);
-                setup
-            }));
+        for parameter in &parameters {
+            for (swept_preset, value) in &parameter.sweep {
+                if *swept_preset == preset && preset_setup.values.value(parameter) != *value {
+                    let mut setup = preset_setup.clone();
+                    setup.values.set(parameter, *value);
+                    all.push(setup);
+                }
+            }
         }
     }
     all.extend(combinations(method.name, &base.of_preset(Preset::Published)));
@@ -81,7 +79,7 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use CaptureCount::{None, Number};
     use CaptureSide::{Scene, Side128, Side256, Side512, Side1024};
     let sides = [Side128, Side256, Side512, Side1024];
-    let all = [1, 2, 4, 8].into_iter().flat_map(|count| sides.map(|side| (Number(count), side)));
+    let counts_and_sides = [1, 2, 4, 8].into_iter().flat_map(|count| sides.map(|side| (Number(count), side)));
     let variant = |(count, side)| Variant {
         method,
         setup: base.with(|p: &mut EffectParams| {
@@ -89,30 +87,32 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
             (p.captures, p.capture_side) = (count, side);
         }),
     };
-    std::iter::once((None, Scene)).chain(all).map(variant).collect()
+    std::iter::once((None, Scene)).chain(counts_and_sides).map(variant).collect()
 }
 
-/// Makes variants of a method with what can stand behind the screen. A screen-space method has no fallback, the
-/// environment, or `pccm`. If its rays can go on in captures or among triangles, it also has the captures of `base`,
-/// and the scene's triangles.
+/// Makes variants of a method that show different things beyond the screen. A screen-space method has a variant without
+/// a fallback, one with the environment, and one with `pccm`. If its rays can go on in captures or among triangles, it
+/// also has a variant with the captures of `base`, and one with the scene's triangles. Any other method has one
+/// variant, which is `base` without a fallback.
 pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     use Fallback::{Environment, None, Pccm};
-    let fallbacks: &[Fallback] = if method.is_screen_space() { &[None, Environment, Pccm] } else { &[None] };
     let variant = |fallback, captures, beyond| Variant {
         method,
         setup: base.with(|p: &mut EffectParams| (p.fallback, p.captures, p.beyond) = (fallback, captures, beyond)),
     };
-    let (captures, is_on_screen) = (base.effect().captures, method.is_screen_space());
-    // A method that traces in captures alone always keeps them.
-    let least_captures = if is_on_screen { CaptureCount::None } else { captures };
-    let has_captures = is_on_screen && method.takes_captures && captures != CaptureCount::None;
-    let least_beyond = if is_on_screen { BeyondScreen::None } else { base.effect().beyond };
-    let with_fallbacks = fallbacks.iter().map(|fallback| variant(*fallback, least_captures, least_beyond));
-    let has_triangles = is_on_screen && method.takes_triangles;
-    with_fallbacks
-        .chain(has_captures.then(|| variant(None, captures, BeyondScreen::Captures)))
-        .chain(has_triangles.then(|| variant(None, least_captures, BeyondScreen::Triangles)))
-        .collect()
+    let captures = base.effect().captures;
+    if !method.is_screen_space() {
+        return vec![variant(None, captures, base.effect().beyond)];
+    }
+    let with_fallback = |fallback| variant(fallback, CaptureCount::None, BeyondScreen::None);
+    let mut variants = [None, Environment, Pccm].map(with_fallback).to_vec();
+    if method.takes_captures && captures != CaptureCount::None {
+        variants.push(variant(None, captures, BeyondScreen::Captures));
+    }
+    if method.takes_triangles {
+        variants.push(variant(None, CaptureCount::None, BeyondScreen::Triangles));
+    }
+    variants
 }
 
 /// Makes variants of a screen-space method with each number of bounces up to that of `base`; any other method has one
@@ -145,10 +145,11 @@ mod tests {
     fn a_sweep_of_captures_has_every_number_of_every_size_once() {
         let base = Setup::new([64, 36]);
         let all = captures(&unified::INFO, &base);
-        let texels = |v: &Variant| (v.setup.effect().captures.wanted(), v.setup.effect().capture_side.texels());
-        let distinct: BTreeSet<String> = all.iter().map(|v| format!("{:?}", texels(v))).collect();
+        let count_and_texels =
+            |v: &Variant| (v.setup.effect().captures.wanted(), v.setup.effect().capture_side.texels());
+        let distinct: BTreeSet<String> = all.iter().map(|v| format!("{:?}", count_and_texels(v))).collect();
         assert_eq!((all.len(), distinct.len()), (17, 17));
-        assert_eq!(texels(&all[0]), (None, None));
+        assert_eq!(count_and_texels(&all[0]), (None, None));
     }
 
     #[test]
@@ -161,11 +162,12 @@ mod tests {
             effects.map(|e| (e.fallback, e.captures, e.beyond)).collect::<Vec<_>>()
         };
         use BeyondScreen::{Auto, Captures, None, Triangles};
-        let behind = [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None, None));
-        assert_eq!(settings("ssct"), behind);
-        let [captured, among] = [(CaptureCount::Number(4), Captures), (CaptureCount::None, Triangles)];
-        let more = [captured, among].map(|(captures, beyond)| (Fallback::None, captures, beyond));
-        assert_eq!(settings("unified"), [&behind[..], &more].concat());
+        let fallbacks_alone =
+            [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None, None));
+        assert_eq!(settings("ssct"), fallbacks_alone);
+        let in_captures = (Fallback::None, CaptureCount::Number(4), Captures);
+        let among_triangles = (Fallback::None, CaptureCount::None, Triangles);
+        assert_eq!(settings("unified"), [&fallbacks_alone[..], &[in_captures, among_triangles]].concat());
         assert_eq!(settings("captures"), [(Fallback::None, CaptureCount::Number(4), Auto)]);
     }
 }

@@ -126,19 +126,19 @@ pub struct Column {
 
 /// Lists the rows of the comparison: first the printed rows, in their order, and then measured rows whose size is not
 /// in print. Each has a size in pixels, a roughness, and the printed row, if any.
-fn rows_of(records: &[TimeRecord]) -> Vec<([u32; 2], f32, Option<&'static Published>)> {
+fn rows_to_compare(records: &[TimeRecord]) -> Vec<([u32; 2], f32, Option<&'static Published>)> {
     let printed = TABLE_5_8.iter().map(|row| (row.size, row.roughness, Some(row)));
-    let known = sizes();
+    let printed_sizes = sizes();
     let unprinted = |r: &TimeRecord| {
         let (size, roughness) = ([r.head.width, r.head.height], r.head.roughness?);
-        (!known.contains(&size) && ROUGHNESS.contains(&roughness)).then_some((size, roughness, None))
+        (!printed_sizes.contains(&size) && ROUGHNESS.contains(&roughness)).then_some((size, roughness, None))
     };
     printed.chain(distinct(records.iter().filter_map(unprinted))).collect()
 }
 
 impl Column {
     /// Whether the column has ratios to SSCT; SSCT itself has none.
-    fn is_over_ssct(&self) -> bool {
+    fn has_ratio(&self) -> bool {
         self.method != "ssct"
     }
 }
@@ -147,41 +147,41 @@ impl Column {
 /// are not in print. A size that is not in print gets rows without printed figures.
 pub fn compare(records: &[TimeRecord]) -> Vec<ComparedRow> {
     let drifts = drift(records);
-    let rows = rows_of(records).into_iter().filter_map(|(size, roughness, published)| {
+    let rows = rows_to_compare(records).into_iter().filter_map(|(size, roughness, published)| {
         let is_of_row = |r: &TimeRecord| [r.head.width, r.head.height] == size && r.head.roughness == Some(roughness);
         let of_row: Vec<_> = records.iter().filter(|r| is_of_row(r)).collect();
         let drift = records.iter().zip(&drifts).find(|(r, _)| is_of_row(r)).and_then(|(_, drift)| *drift);
-        let ssct = of_row.iter().find(|r| r.head.method == "ssct");
-        let columns: Vec<_> = of_row
-            .iter()
-            .filter_map(|r| {
-                // Leaves out methods that are not in the table.
-                TABLE_5_8[0].time_ms(&r.head.method)?;
-                let published_ms = published.and_then(|row| row.time_ms(&r.head.method));
-                let has_ratio = r.head.method != "ssct";
-                let measured = ssct.filter(|_| has_ratio).and_then(|ssct| time_ratio(r, ssct));
-                Some(Column {
-                    method: r.head.method.clone(),
-                    published_ms,
-                    measured_ms: r.total.median_ms,
-                    published_ratio: published_ms.zip(published).filter(|_| has_ratio).map(|(ms, row)| ms / row.ssct),
-                    measured_ratio: measured.map(|(ratio, _)| ratio),
-                    interval: measured.and_then(|(_, interval)| interval),
-                })
-            })
-            .collect();
+        let ssct = of_row.iter().copied().find(|r| r.head.method == "ssct");
+        let columns: Vec<_> = of_row.iter().filter_map(|r| column(r, published, ssct)).collect();
         let [width, height] = size;
         (!columns.is_empty()).then_some(ComparedRow { width, height, roughness, drift, columns })
     });
     rows.collect()
 }
 
+/// Makes the column of a record from the printed row and from the record of SSCT in the same row, as far as they exist.
+/// `None` for a method that is not in the table.
+fn column(record: &TimeRecord, published: Option<&Published>, ssct: Option<&TimeRecord>) -> Option<Column> {
+    let method = &record.head.method;
+    TABLE_5_8[0].time_ms(method)?;
+    let published_ms = published.and_then(|row| row.time_ms(method));
+    let has_ratio = method != "ssct";
+    let measured = ssct.filter(|_| has_ratio).and_then(|ssct| time_ratio(record, ssct));
+    Some(Column {
+        method: method.clone(),
+        published_ms,
+        measured_ms: record.total.median_ms,
+        published_ratio: published_ms.zip(published).filter(|_| has_ratio).map(|(ms, row)| ms / row.ssct),
+        measured_ratio: measured.map(|(ratio, _)| ratio),
+        interval: measured.and_then(|(_, interval)| interval),
+    })
+}
+
 /// Returns the ratio of a record's time to the time of `base`, with which the record was timed in turn, and the ends of
 /// the ratio's interval, if there are enough turns. Records without samples have the ratio of their medians, without an
 /// interval.
 fn time_ratio(record: &TimeRecord, base: &TimeRecord) -> Option<(f64, Option<[f64; 2]>)> {
-    let pairs: Vec<_> =
-        base.totals().into_iter().zip(record.totals()).map(|(base_ms, own_ms)| [base_ms, own_ms]).collect();
+    let pairs: Vec<_> = base.totals().into_iter().zip(record.totals()).map(<[f64; 2]>::from).collect();
     if pairs.is_empty() {
         return Some((record.total.median_ms / base.total.median_ms, None));
     }
@@ -212,7 +212,7 @@ pub fn cells(rows: &[ComparedRow]) -> Vec<Vec<String>> {
         let name = c.method.to_uppercase();
         header.extend([format!("{name} thesis ms"), format!("{name} here ms")]);
     }
-    for c in first.columns.iter().filter(|c| c.is_over_ssct()) {
+    for c in first.columns.iter().filter(|c| c.has_ratio()) {
         let name = c.method.to_uppercase();
         header.extend([format!("{name}/SSCT thesis"), format!("{name}/SSCT here")]);
     }
@@ -225,7 +225,7 @@ pub fn cells(rows: &[ComparedRow]) -> Vec<Vec<String>> {
         for c in &row.columns {
             line.extend([number(c.published_ms), number(Some(c.measured_ms))]);
         }
-        for c in row.columns.iter().filter(|c| c.is_over_ssct()) {
+        for c in row.columns.iter().filter(|c| c.has_ratio()) {
             let interval = c.interval.map_or_else(String::new, |[low, high]| format!(" [{low:.2}, {high:.2}]"));
             line.extend([number(c.published_ratio), number(c.measured_ratio) + &interval]);
         }

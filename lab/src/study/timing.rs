@@ -10,8 +10,9 @@ pub use suite::{
 };
 
 use super::compare::SEED;
+use super::engine::LastMade;
 use super::error::Variant;
-use super::interleave::{Round, Sample, interleave, kept};
+use super::interleave::{Round, Sample, interleave, sample_in_journal};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, PassRecord, RecordSubject, Stats, TimeRecord};
 use crate::error::Result;
@@ -59,8 +60,8 @@ struct Group<'a> {
 impl<'a> TimeSpec<'a> {
     /// Returns the number of frames that [`measure`] draws if the journal has none.
     pub fn frames(&self) -> usize {
-        let of_a_group = frames_of_a_group(self.variants.len(), self.warmup, self.samples, self.a_a);
-        self.sizes.len() * self.globals.len() * of_a_group
+        let frames_of_group = frames_of_a_group(self.variants.len(), self.warmup, self.samples, self.a_a);
+        self.sizes.len() * self.globals.len() * frames_of_group
     }
 
     /// Returns the groups in the order in which they are measured: by size, and then by factors.
@@ -73,9 +74,9 @@ impl<'a> TimeSpec<'a> {
         self.sizes.iter().copied().flat_map(groups_of_size)
     }
 
-    /// Returns the group of a size and a set of factors.
+    /// Returns the group whose variants are timed in turn at a size and with a set of factors.
     fn group(&'a self, extent: [u32; 2], globals: Globals, scene_digest: &str) -> Group<'a> {
-        let variants = recorded(&self.variants, extent);
+        let variants = recorded_variants(&self.variants, extent);
         // The number of samples is left out, since a later run may add more.
         let settings = json!([scene_digest, format!("{:?}", self.view), globals, variants, self.warmup]);
         let digest = digest(self.gpu, &settings);
@@ -86,7 +87,7 @@ impl<'a> TimeSpec<'a> {
 impl Group<'_> {
     /// Returns the beginning of the keys of a variant's samples. The variant's index tells two variants of one method
     /// apart.
-    fn prefix(&self, variant: usize) -> String {
+    fn key_prefix(&self, variant: usize) -> String {
         let [width, height] = self.extent;
         let (scene, view) = (&self.spec.scene.name, &self.spec.view.name);
         let method = self.spec.variants[variant].method.name;
@@ -96,21 +97,14 @@ impl Group<'_> {
     /// Returns the head of the record of a variant, given by its index.
     fn head(&self, variant: usize) -> Head {
         let Variant { method, setup } = &self.spec.variants[variant];
-        let place = (self.spec.scene, self.spec.view);
-        Head::new(
-            "time",
-            self.spec.gpu,
-            place,
-            RecordSubject::Method(method),
-            &setup.with_extent(self.extent),
-            &self.globals,
-        )
+        let (place, setup) = ((self.spec.scene, self.spec.view), setup.with_extent(self.extent));
+        Head::new("time", self.spec.gpu, place, RecordSubject::Method(method), &setup, &self.globals)
     }
 
     /// Whether the journal has every sample of every variant.
     fn is_whole(&self, journal: &Journal) -> bool {
         let spec = self.spec;
-        (0..spec.variants.len()).all(|n| is_whole(&self.prefix(n), spec.samples, spec.a_a, journal))
+        (0..spec.variants.len()).all(|n| is_whole(&self.key_prefix(n), spec.samples, spec.a_a, journal))
     }
 
     /// Measures the samples that the journal lacks, with the variants in turn. Only variants that lack samples are
@@ -128,8 +122,8 @@ impl Group<'_> {
         rounds.extend(Round::timed(spec.warmup, spec.samples));
         // Shots beyond the number of variants make the second series of the same variants.
         let key = |shot: usize, sample: &str| match shot.checked_sub(spec.variants.len()) {
-            None => key(&self.prefix(shot), sample),
-            Some(variant) => key(&self.prefix(variant), second_series_label(sample)),
+            None => key(&self.key_prefix(shot), sample),
+            Some(variant) => key(&self.key_prefix(variant), second_series_label(sample)),
         };
         interleave(stage, (shared, shots), &rounds, &key, journal, progress)
     }
@@ -142,8 +136,8 @@ type SizedShots = ((usize, [u32; 2]), (SharedImages, Vec<Shot>));
 /// The stage and the shots of the last group, which the next group uses again if it can.
 #[derive(Default)]
 struct LastShots {
-    /// The name of the scene, and its stage.
-    stage: Option<(String, Stage)>,
+    /// The stage, by the name of its scene.
+    stage: LastMade<String, Stage>,
     shots: Option<SizedShots>,
 }
 
@@ -160,10 +154,7 @@ impl LastShots {
         let spec = group.spec;
         let shots_key = (number, group.extent);
         let same_shots = self.shots.take().filter(|(key, _)| *key == shots_key);
-        if self.stage.as_ref().is_none_or(|(name, _)| *name != spec.scene.name) {
-            self.stage = Some((spec.scene.name.clone(), Stage::new(spec.gpu, spec.scene)?));
-        }
-        let Some((_, stage)) = &mut self.stage else { return Ok(()) };
+        let stage = self.stage.get_or_make(spec.scene.name.clone(), || Stage::new(spec.gpu, spec.scene))?;
         let materials = group.globals.materials(spec.scene, spec.view);
         // Shots of another size were dropped above, since the device may not have room for both.
         let shots = match same_shots {
@@ -194,7 +185,7 @@ fn frames_of_a_group(variants: usize, warmup: usize, samples: usize, a_a: bool) 
 }
 
 /// Returns a list of the names of variants' methods, each with everything that is set for the variant at a size.
-fn recorded(variants: &[Variant], extent: [u32; 2]) -> Value {
+fn recorded_variants(variants: &[Variant], extent: [u32; 2]) -> Value {
     let entry = |v: &Variant| (v.method.name, v.setup.with_extent(extent).recorded(Some(v.method)));
     json!(variants.iter().map(entry).collect::<Vec<_>>())
 }
@@ -207,25 +198,25 @@ fn key(prefix: &str, sample: impl Display) -> String {
 
 /// Makes the record of a variant from its samples in the journal, whose keys begin with `prefix`. The samples with a
 /// number of at least `samples` are left out. `None` if the journal has none.
-fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
+fn record_from_samples(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
     let series = |label: &dyn Fn(usize) -> String| -> Vec<Sample> {
-        (0..samples).filter_map(|n| kept(journal, &key(prefix, label(n)))).collect()
+        (0..samples).filter_map(|n| sample_in_journal(journal, &key(prefix, label(n)))).collect()
     };
-    let (frames, frames_again) = (series(&|n| n.to_string()), series(&|n| second_series_label(n)));
+    let (frames, second_frames) = (series(&|n| n.to_string()), series(&|n| second_series_label(n)));
     let first = frames.first()?;
-    let work = kept(journal, &key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
+    let work = sample_in_journal(journal, &key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
     // For each frame the milliseconds of each pass.
     let pass_times = |frames: &[Sample]| -> Vec<Vec<f64>> {
         frames.iter().map(|frame| frame.report.passes.iter().map(|p| p.ms).collect()).collect()
     };
-    let (samples, samples_again) = (pass_times(&frames), pass_times(&frames_again));
+    let (samples, second_samples) = (pass_times(&frames), pass_times(&second_frames));
     let of_pass = |samples: &[Vec<f64>], i: usize| samples.iter().filter_map(|s| s.get(i).copied()).collect::<Vec<_>>();
     let totals = |frames: &[Sample]| frames.iter().map(Sample::effect_ms).collect::<Vec<_>>();
     let pass_record = |(i, pass): (usize, &PassTime)| PassRecord {
         name: pass.name.clone(),
         counted: pass.counted,
         stats: Stats::from_samples(&of_pass(&samples, i)),
-        noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&samples_again, i), SEED),
+        noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&second_samples, i), SEED),
         work: work.get(i).copied(),
     };
     let passes = first.report.passes.iter().enumerate().map(pass_record).collect();
@@ -233,7 +224,7 @@ fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Opt
         head,
         passes,
         total: Stats::from_samples(&totals(&frames)),
-        noise_floor: noise_floor(&totals(&frames), &totals(&frames_again), SEED),
+        noise_floor: noise_floor(&totals(&frames), &totals(&second_frames), SEED),
         frame: Stats::from_samples(&frames.iter().map(|frame| frame.report.frame_ms).collect::<Vec<_>>()),
         drawn: first.drawn,
         recorded: first.report.recorded.clone(),
@@ -252,7 +243,7 @@ fn keys(prefix: &str, samples: usize, a_a: bool) -> Vec<String> {
 
 /// Whether a journal has every sample of a variant, and the frame whose work is counted ([`keys`]).
 fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
-    keys(prefix, samples, a_a).iter().all(|key| kept(journal, key).is_some())
+    keys(prefix, samples, a_a).iter().all(|key| sample_in_journal(journal, key).is_some())
 }
 
 /// Returns the label in the journal of a sample of the second series, by the label of the same sample in the first.
@@ -280,7 +271,7 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
 
 /// Makes the records of all variants that have samples in the journal, in the order of sizes, factors and variants.
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
-    let record = |group: &Group, n| record_of(group.head(n), &group.prefix(n), spec.samples, journal);
+    let record = |group: &Group, n| record_from_samples(group.head(n), &group.key_prefix(n), spec.samples, journal);
     let group_records = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();
     spec.groups().flat_map(group_records).collect()
 }
@@ -293,9 +284,8 @@ mod tests {
     use ssct::methods::{METHODS, MethodInfo, Setup};
     use ssct_scenes::library;
 
-    /// Tests that samples of different setups have different keys in the journal.
     #[test]
-    fn a_changed_parameter_changes_where_the_journal_keeps_a_sample() {
+    fn samples_of_different_setups_have_different_keys_in_the_journal() {
         let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
         let scene = library::scene("rooms").expect("built in");
         let key = |method: &'static MethodInfo, setup: &Setup| {
@@ -313,12 +303,12 @@ mod tests {
                 a_a: false,
             };
             let group = spec.groups().next().expect("one size");
-            group.prefix(0)
+            group.key_prefix(0)
         };
         for method in METHODS {
             let base = Setup::new([64, 48]);
             let before = key(method, &base);
-            for parameter in method.reads() {
+            for parameter in method.read_parameters() {
                 let mut changed = base.clone();
                 changed.values.set(&parameter, another(&parameter, base.values.value(&parameter)));
                 assert_ne!(before, key(method, &changed), "{} of {}", parameter.name, method.name);

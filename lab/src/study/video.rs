@@ -127,15 +127,15 @@ struct Films {
 /// The state of a variant while its film is made.
 struct VariantFilm {
     /// The shot that is timed.
-    shot: Shot,
+    timed_shot: Shot,
     /// A second shot that makes an image of the reflection; `None` if the timed shot makes one.
-    seen: Option<Shot>,
+    reflection_shot: Option<Shot>,
     /// Linear reflection colour of the last frame; empty before the first.
-    before: Vec<Vec3>,
+    last_color: Vec<Vec3>,
     /// Figures and times of each frame.
     frames: Vec<VideoFrame>,
     /// Changes of the reflection from frame to frame.
-    change: Change,
+    change_sums: ChangeSums,
     /// The finished images.
     images: Film,
     /// The images of the reflection alone.
@@ -144,7 +144,7 @@ struct VariantFilm {
 
 /// Sums over pairs of a pixel and the pixel that showed the same surface a frame before.
 #[derive(Default)]
-struct Change {
+struct ChangeSums {
     /// Number of pairs.
     pairs: usize,
     /// Sum of the absolute changes of colour.
@@ -153,7 +153,7 @@ struct Change {
     error: f64,
 }
 
-impl Change {
+impl ChangeSums {
     /// Adds a frame, by its number of pairs, and the means of the flicker and of the error over these pairs.
     fn add(&mut self, pairs: usize, flicker: f64, error: f64) {
         self.pairs += pairs;
@@ -179,51 +179,50 @@ fn measure(spec: &VideoSpec, go_on: fn() -> Result<()>) -> Result<(Vec<VideoReco
     let start = spec.study.way.start();
     let materials = spec.globals.materials(&spec.study.scene, &start);
     let mut stage = Stage::new(spec.gpu, &spec.study.scene)?;
-    let first = spec.study.camera(0, spec.extent);
-    let mut all = spec
-        .study
-        .variants
-        .iter()
-        .map(|v| start_film(spec, &mut stage, v, first, &materials))
-        .collect::<Result<Vec<_>>>()?;
-    for filmed in &all {
+    let first_camera = spec.study.camera(0, spec.extent);
+    let mut films = Vec::new();
+    for variant in &spec.study.variants {
+        films.push(start_film(spec, &mut stage, variant, first_camera, &materials)?);
+    }
+    for film in &films {
         // The history of each shot settles on the first frame before the film begins.
-        stage.settle(&filmed.shot)?;
+        stage.settle(&film.timed_shot)?;
     }
     let mut world = Truth::default();
     // The scene of the world reference, in which the meshes that move stand at their places in the frame.
     let mut moved_scene = spec.study.scene.clone();
     for frame in 0..spec.study.frames {
-        let placed = spec.study.placed(frame);
-        for (name, placement) in &placed {
+        let placements = spec.study.placements(frame);
+        for (name, placement) in &placements {
             stage.scene_mut().place_meshes(name, *placement)?;
         }
-        if frame > 0 && !placed.is_empty() {
+        if frame > 0 && !placements.is_empty() {
             moved_scene.meshes.clone_from(&spec.study.scene.meshes);
-            moved_scene.place_meshes(&placed);
+            moved_scene.place_meshes(&placements);
         }
         let camera = spec.study.camera(frame, spec.extent);
-        let mut made = Vec::new();
+        let mut drawn = Vec::new();
         // Each frame begins with another variant, since the first shot of a frame may find colder caches.
-        let count = all.len();
-        for turn in 0..count {
+        for turn in 0..films.len() {
             go_on()?;
-            let n = (frame as usize + turn) % count;
-            made.push((n, shoot(&mut stage, &mut all[n], camera)?));
+            let n = (frame as usize + turn) % films.len();
+            drawn.push((n, shoot(&mut stage, &mut films[n], camera)?));
         }
         // All variants draw one G-buffer; without variants there is no film.
-        let Some(screen) = all.first().map(|f| gbuffer::read(&mut stage.context, &f.shot)).transpose()? else { break };
+        let Some(first) = films.first() else { break };
+        let screen = gbuffer::read(&mut stage.context, &first.timed_shot)?;
         world.trace_frame(spec, screen, &moved_scene, &materials, go_on)?;
-        for (n, (effect_ms, reflection, image)) in made {
-            all[n].add(&world, effect_ms, &reflection, &image);
+        for (n, (effect_ms, reflection, image)) in drawn {
+            films[n].add(&world, effect_ms, &reflection, &image);
         }
     }
-    let films = Films { world: world.images.clone(), variants: all.iter().map(|f| f.images.clone()).collect() };
-    let records = spec.study.variants.iter().zip(all).map(|(variant, filmed)| {
+    let images = Films { world: world.images.clone(), variants: films.iter().map(|f| f.images.clone()).collect() };
+    let mut records = Vec::new();
+    for (variant, film) in spec.study.variants.iter().zip(films) {
         go_on()?;
-        record(spec, &start, variant, filmed, &world)
-    });
-    Ok((records.collect::<Result<_>>()?, films))
+        records.push(record(spec, &start, variant, film, &world)?);
+    }
+    Ok((records, images))
 }
 
 /// Makes the shots of a variant, and its films without frames. The second shot is kept only if the timed shot makes no
@@ -239,33 +238,33 @@ fn start_film(
     let mut shot = |wants| Shot::new(stage, variant.method, &setup, wants, camera, materials.to_vec());
     // The timed shot is not asked for an image of the reflection, as in the time study; some methods make one
     // nevertheless.
-    let (timed, seen) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
-    let (_, _, output) = stage.output(&timed)?;
+    let (timed_shot, reflection_shot) = (shot(Wants::IMAGE)?, shot(Wants::REFLECTION)?);
+    let (_, _, output) = stage.output(&timed_shot)?;
     let makes_reflection = output.traced.reflection.is_some();
     let film = || Film { width: spec.extent[0], height: spec.extent[1], frames: Vec::new() };
     Ok(VariantFilm {
-        shot: timed,
-        seen: (!makes_reflection).then_some(seen),
-        before: Vec::new(),
+        timed_shot,
+        reflection_shot: (!makes_reflection).then_some(reflection_shot),
+        last_color: Vec::new(),
         frames: Vec::new(),
-        change: Change::default(),
+        change_sums: ChangeSums::default(),
         images: film(),
         reflections: film(),
     })
 }
 
 /// Draws a frame, and returns the milliseconds of the method, the image of the reflection and the finished image.
-/// If the timed shot makes no image of the reflection, the second shot (`seen`) draws one, which is not timed.
-fn shoot(stage: &mut Stage, filmed: &mut VariantFilm, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
-    filmed.shot.camera = camera;
-    let (report, _, output) = stage.output_in(Mode::Timed, &filmed.shot)?;
+/// If the timed shot makes no image of the reflection, the second shot draws one, which is not timed.
+fn shoot(stage: &mut Stage, film: &mut VariantFilm, camera: Camera) -> Result<(f64, Pixels, Pixels)> {
+    film.timed_shot.camera = camera;
+    let (report, _, output) = stage.output_in(Mode::Timed, &film.timed_shot)?;
     let effect_ms = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
     let image = stage.context.read(output.composite.level(0))?;
-    let reflection = match &mut filmed.seen {
+    let reflection = match &mut film.reflection_shot {
         None => gbuffer::reflection(&mut stage.context, &output)?,
-        Some(seen) => {
-            seen.camera = camera;
-            let (_, _, output) = stage.output(seen)?;
+        Some(shot) => {
+            shot.camera = camera;
+            let (_, _, output) = stage.output(shot)?;
             gbuffer::reflection(&mut stage.context, &output)?
         }
     };
@@ -283,10 +282,10 @@ struct Truth {
     color: Vec<Vec3>,
     /// Pairs of a pixel of the current frame and the pixel that showed the same surface a frame before.
     pairs: Vec<SamePlace>,
-    /// Change of the reflection colour over each of `pairs`.
+    /// ChangeSums of the reflection colour over each of `pairs`.
     changes: Vec<Vec3>,
     /// Sums over the pairs of all frames.
-    change: Change,
+    change_sums: ChangeSums,
     /// Mean over the frames of the standard error, to which each frame adds its share.
     standard_error: f64,
     /// The finished images.
@@ -322,13 +321,13 @@ impl Truth {
         if let Some(last_screen) = &self.screen {
             self.pairs = flicker::pairs(last_screen, &screen);
             self.changes = flicker::changes(&self.pairs, &last_color, &self.color, screen.width);
-            self.change.add(self.pairs.len(), flicker::mean(&self.changes, |_, change| change), 0.0);
+            self.change_sums.add(self.pairs.len(), flicker::mean(&self.changes, |_, change| change), 0.0);
         }
         self.mask = screen.reflecting();
         self.standard_error += state.overall_standard_error() / f64::from(spec.study.frames);
         for (film, colors) in [(&mut self.images, &image.composite), (&mut self.reflections, &self.color)] {
             (film.width, film.height) = (screen.width, screen.height);
-            film.frames.push(bytes(colors));
+            film.frames.push(display_bytes(colors));
         }
         self.screen = Some(screen);
         Ok(())
@@ -339,7 +338,7 @@ impl Truth {
 const RAYS_AT_ONCE: u32 = 16;
 
 /// Converts linear colours to a display image, 3 bytes a pixel.
-fn bytes(colors: &[Vec3]) -> Vec<u8> {
+fn display_bytes(colors: &[Vec3]) -> Vec<u8> {
     display(&colors.iter().map(Vec3::to_array).collect::<Vec<_>>())
 }
 
@@ -348,22 +347,21 @@ impl VariantFilm {
     /// `world` has the world reference of the frame.
     fn add(&mut self, world: &Truth, effect_ms: f64, reflection: &Pixels, image: &Pixels) {
         let colors = |pixels: &Pixels| -> Vec<Vec3> { pixels.texels().map(Vec3::from_slice).collect() };
-        let made = colors(reflection);
-        // The colours with black in the place of those that are not finite.
-        let color: Vec<Vec3> = made.iter().copied().map(flicker::sound).collect();
-        if !world.pairs.is_empty() && !self.before.is_empty() {
-            let changes = flicker::changes(&world.pairs, &self.before, &color, image.width);
+        let raw_color = colors(reflection);
+        let color: Vec<Vec3> = raw_color.iter().copied().map(flicker::finite_or_black).collect();
+        if !world.pairs.is_empty() && !self.last_color.is_empty() {
+            let changes = flicker::changes(&world.pairs, &self.last_color, &color, image.width);
             let flicker = flicker::mean(&changes, |_, change| change);
             let error = flicker::mean(&changes, |n, change| change - world.changes[n]);
-            self.change.add(changes.len(), flicker, error);
+            self.change_sums.add(changes.len(), flicker, error);
         }
         let arrays = |colors: &[Vec3]| colors.iter().map(Vec3::to_array).collect::<Vec<_>>();
-        self.images.frames.push(bytes(&colors(image)));
-        self.reflections.frames.push(bytes(&color));
+        self.images.frames.push(display_bytes(&colors(image)));
+        self.reflections.frames.push(display_bytes(&color));
         // FLIP is computed at the end, for all films and frames at once.
-        let rmse = masked_rmse(&arrays(&world.color), &arrays(&made), &world.mask);
+        let rmse = masked_rmse(&arrays(&world.color), &arrays(&raw_color), &world.mask);
         self.frames.push(VideoFrame { effect_ms, rmse, flip: 0.0 });
-        self.before = color;
+        self.last_color = color;
     }
 }
 
@@ -373,17 +371,16 @@ fn record(
     spec: &VideoSpec,
     start: &View,
     variant: &Variant,
-    mut filmed: VariantFilm,
+    mut film: VariantFilm,
     world: &Truth,
 ) -> Result<VideoRecord> {
     let [width, height] = spec.extent;
-    let image_pairs: Vec<_> = world.reflections.frames.iter().zip(&filmed.reflections.frames).collect();
+    let image_pairs: Vec<_> = world.reflections.frames.iter().zip(&film.reflections.frames).collect();
     let flip: Vec<f64> =
         image_pairs.into_par_iter().map(|(truth, made)| FlipMap::new(truth, made, width, height).mean()).collect();
-    filmed.frames.iter_mut().zip(&flip).for_each(|(frame, flip)| frame.flip = *flip);
-    let mean =
-        |value: fn(&VideoFrame) -> f64| filmed.frames.iter().map(value).sum::<f64>() / filmed.frames.len() as f64;
-    let times: Vec<f64> = filmed.frames.iter().map(|f| f.effect_ms).collect();
+    film.frames.iter_mut().zip(&flip).for_each(|(frame, flip)| frame.flip = *flip);
+    let mean = |value: fn(&VideoFrame) -> f64| film.frames.iter().map(value).sum::<f64>() / film.frames.len() as f64;
+    let times: Vec<f64> = film.frames.iter().map(|f| f.effect_ms).collect();
     let (setup, place) = (variant.setup.with_extent(spec.extent), (&spec.study.scene, start));
     Ok(VideoRecord {
         head: Head::new("video", spec.gpu, place, RecordSubject::Method(variant.method), &setup, &spec.globals),
@@ -399,12 +396,12 @@ fn record(
         time_ms: Stats::from_samples(&times).median_ms,
         rmse: mean(|f| f.rmse),
         flip: mean(|f| f.flip),
-        flicker: filmed.change.mean(filmed.change.flicker),
-        reference_flicker: world.change.mean(world.change.flicker),
-        change_error: filmed.change.mean(filmed.change.error),
-        jod: jod(&filmed.images, &world.images, spec.study.frames_per_second)?,
-        jod_reflection: jod(&filmed.reflections, &world.reflections, spec.study.frames_per_second)?,
+        flicker: film.change_sums.mean(film.change_sums.flicker),
+        reference_flicker: world.change_sums.mean(world.change_sums.flicker),
+        change_error: film.change_sums.mean(film.change_sums.error),
+        jod: jod(&film.images, &world.images, spec.study.frames_per_second)?,
+        jod_reflection: jod(&film.reflections, &world.reflections, spec.study.frames_per_second)?,
         standard_error: world.standard_error,
-        frames: filmed.frames,
+        frames: film.frames,
     })
 }

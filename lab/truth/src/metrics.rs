@@ -1,5 +1,5 @@
-//! Measures of the difference between two images, two sets of hits or two sets of times, and the Pareto front of time and
-//! error.
+//! Measures of the difference between two images, two sets of hits or two sets of times, and the Pareto front of time
+//! and error.
 
 pub mod bootstrap;
 pub mod flicker;

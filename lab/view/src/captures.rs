@@ -39,8 +39,8 @@ impl CaptureEditor {
             self.message = format!("a scene has at most {MAX_CAPTURES} captures");
             return;
         }
-        let like = list.first().copied().unwrap_or(Capture::placed_at(place));
-        list.push(Capture { position: place, ..like });
+        let template = list.first().copied().unwrap_or(Capture::placed_at(place));
+        list.push(Capture { position: place, ..template });
         self.selected = list.len() - 1;
         self.message = format!("capture {} added", list.len());
     }
@@ -83,26 +83,23 @@ impl CaptureEditor {
     /// in an existing file stays as it is.
     pub fn save(&mut self, shown: &[Capture]) {
         let captures = self.list.as_deref().unwrap_or(shown);
-        self.message = match self.written(captures) {
+        self.message = match self.write_file(captures) {
             Ok(()) => format!("{} captures saved in {}", captures.len(), self.file),
             Err(e) => e.to_string(),
         };
     }
 
     /// Writes captures to the file, in the units that the scene had before it was enlarged.
-    fn written(&self, captures: &[Capture]) -> Result<()> {
+    fn write_file(&self, captures: &[Capture]) -> Result<()> {
         let path = Path::new(&self.file);
-        let before = match std::fs::read_to_string(path) {
+        let old_text = match std::fs::read_to_string(path) {
             Ok(text) => text,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => String::new(),
             Err(e) => return Err(Error::io("read", path, e)),
         };
-        let unscaled = |c: &Capture| {
-            let [position, near_m] = [c.position / self.scale, Vec3::splat(c.near_m / self.scale)];
-            Capture { position, near_m: near_m.x, ..*c }
-        };
+        let unscaled = |c: &Capture| Capture { position: c.position / self.scale, near_m: c.near_m / self.scale, ..*c };
         let captures: Vec<Capture> = captures.iter().map(unscaled).collect();
-        Ok(files::write(path, scene_file::with_captures(&before, &captures, path)?.as_bytes())?)
+        Ok(files::write(path, scene_file::with_captures(&old_text, &captures, path)?.as_bytes())?)
     }
 }
 
@@ -114,9 +111,10 @@ mod tests {
     fn captures_are_added_moved_removed_and_saved_beside_what_a_file_has() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("room.scene.toml");
-        let rest = "# A room.\nscale = 2.0\n\n[[mesh]]\nfile = 'room.obj'\n\n";
-        let old = "[[capture]] # old\nplace = [9, 9, 9]\n\n";
-        std::fs::write(&path, format!("{rest}{old}[view.hall]\neye = [0, 1, 0]\nlook_at = [1, 1, 0]\n")).unwrap();
+        let kept_text = "# A room.\nscale = 2.0\n\n[[mesh]]\nfile = 'room.obj'\n\n";
+        let replaced_text = "[[capture]] # old\nplace = [9, 9, 9]\n\n";
+        std::fs::write(&path, format!("{kept_text}{replaced_text}[view.hall]\neye = [0, 1, 0]\nlook_at = [1, 1, 0]\n"))
+            .unwrap();
         let mut editor = CaptureEditor::new(std::slice::from_ref(&path), 0.5);
         let shown = [Capture { resolution: 64, ..Capture::placed_at(Vec3::ONE) }];
         editor.add(&shown, Vec3::X);
@@ -129,7 +127,7 @@ mod tests {
         editor.save(&shown);
         assert!(editor.message.starts_with("2 captures saved in "), "{}", editor.message);
         let text = std::fs::read_to_string(&path).unwrap();
-        assert!(text.starts_with(rest) && text.contains("[view.hall]") && !text.contains("9, 9, 9"), "{text}");
+        assert!(text.starts_with(kept_text) && text.contains("[view.hall]") && !text.contains("9, 9, 9"), "{text}");
         let table: toml::Table = toml::from_str(&text).unwrap();
         let saved = table["capture"].as_array().unwrap();
         assert_eq!(saved.len(), 2);
@@ -149,12 +147,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
         let mut editor = CaptureEditor::new(std::slice::from_ref(&path), 1.0);
-        for (text, said) in
+        for (text, message) in
             [("capture = [{ place = [0, 0, 0] }]\n", "other tables than [[capture]]"), ("no toml at all", "expected")]
         {
             std::fs::write(&path, text).unwrap();
             editor.save(&[Capture::placed_at(Vec3::ZERO)]);
-            assert!(editor.message.contains(said) && editor.message.contains("a.toml"), "{}", editor.message);
+            assert!(editor.message.contains(message) && editor.message.contains("a.toml"), "{}", editor.message);
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
         std::fs::remove_file(&path).unwrap();

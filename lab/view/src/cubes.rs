@@ -141,27 +141,27 @@ impl Cross {
     /// Returns the face (0…5) that shows a direction in world axes, and the point of the picture that shows it, in
     /// pixels.
     pub fn face_and_point(&self, direction: Vec3) -> (usize, Vec2) {
-        let a = direction.abs();
-        let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
-        let (face, greatest) = if a.x >= a.y && a.x >= a.z {
-            (face_by_sign(direction.x, 0), a.x)
-        } else if a.y >= a.z {
-            (face_by_sign(direction.y, 2), a.y)
+        let size = direction.abs();
+        let face_by_sign = |component: f32, face: usize| if component >= 0.0 { face } else { face + 1 };
+        let (face, greatest) = if size.x >= size.y && size.x >= size.z {
+            (face_by_sign(direction.x, 0), size.x)
+        } else if size.y >= size.z {
+            (face_by_sign(direction.y, 2), size.y)
         } else {
-            (face_by_sign(direction.z, 4), a.z)
+            (face_by_sign(direction.z, 4), size.z)
         };
         // The texture coordinates of a face are linear in the direction, whose greatest component is 1.
         let on_face = direction / greatest.max(f32::MIN_POSITIVE);
         let [middle, right, down] = [(0.5, 0.5), (1.0, 0.5), (0.5, 1.0)].map(|(u, v)| sky::face_direction(face, u, v));
         // The texture coordinate towards the middle of a side.
-        let along = |axis: Vec3| 0.5 + 0.5 * (on_face - middle).dot(axis - middle);
+        let coordinate_towards = |axis: Vec3| 0.5 + 0.5 * (on_face - middle).dot(axis - middle);
         let [x, y] = FACES_IN_CROSS[face].map(|n| n as f32);
-        (face, self.corner + self.side * Vec2::new(x + along(right), y + along(down)))
+        (face, self.corner + self.side * Vec2::new(x + coordinate_towards(right), y + coordinate_towards(down)))
     }
 
     /// Returns the lines by which a capture shows a sequence of points in the world: points of the picture in pixels,
     /// with a new line where the sequence passes into another face.
-    pub fn way(&self, capture: &Capture, points: &[Vec3]) -> Vec<Vec<Vec2>> {
+    pub fn polylines(&self, capture: &Capture, points: &[Vec3]) -> Vec<Vec<Vec2>> {
         // Each line with its face.
         let mut lines: Vec<(usize, Vec<Vec2>)> = Vec::new();
         for point in points.iter().filter(|p| **p != capture.position) {
@@ -194,9 +194,12 @@ mod tests {
         let cross = Cross::new([403, 290]);
         for face in 0..6 {
             for uv in [Vec2::new(0.5, 0.5), Vec2::new(0.1, 0.8), Vec2::new(0.9, 0.3)] {
-                let (found, position) = cross.face_and_point(7.0 * sky::face_direction(face, uv.x, uv.y));
-                let (there, back) = cross.face_at(position).unwrap();
-                assert!(found == face && there == face && back.distance(uv) < 1e-4, "{face}: {found}, {there}, {back}");
+                let (chosen, position) = cross.face_and_point(7.0 * sky::face_direction(face, uv.x, uv.y));
+                let (found, found_uv) = cross.face_at(position).unwrap();
+                assert!(
+                    [chosen, found] == [face; 2] && found_uv.distance(uv) < 1e-4,
+                    "{face}: {chosen}, {found}, {found_uv}"
+                );
             }
         }
         assert_eq!(cross.face_at(Vec2::new(20.0, 20.0)), None);

@@ -6,7 +6,7 @@ use super::panel::PanelActions;
 use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
 use super::reference_error::ComparisonRequest;
 use super::state::{STEPS, Tab};
-use super::viewer::{Viewer, scene_name, screen, views};
+use super::viewer::{Viewer, new_screen, scene_name, views_with_lens};
 use ssct::methods::Setup;
 use ssct::passes::Content;
 use ssct::passes::look::PictureDisplay;
@@ -26,30 +26,30 @@ impl Viewer {
             self.load_scene()?;
         }
         if self.screen.extent() != extent {
-            self.screen = screen(&self.gpu, self.screen.format(), extent)?;
+            self.screen = new_screen(&self.gpu, self.screen.format(), extent)?;
         }
         // The rectangle of the pictures: left, top, width and height in pixels.
         let area = actions.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
-        let wanted = self.wanted([area[2], area[3]]);
-        let mut active = true;
-        if self.pictures.needs_rendering(&wanted) {
-            self.pictures.render(&wanted)?;
+        let request = self.frame_request([area[2], area[3]]);
+        let mut has_work = true;
+        if self.pictures.needs_rendering(&request) {
+            self.pictures.render(&request)?;
             self.frames += 1;
             (self.analysis, self.ray, self.pixel) = (None, None, None);
             self.reference_error.forget();
         } else if self.needs_analysis() {
             let analysis = self.pictures.analyse()?;
             if self.state.tab == Tab::Live {
-                self.compare_with_reference(&wanted, &analysis);
+                self.compare_with_reference(&request, &analysis);
             }
             self.analysis = Some(analysis);
         } else {
-            active = false;
+            has_work = false;
         }
-        active |= self.pick();
+        has_work |= self.pick();
         if actions.fit_range {
             self.fit_range()?;
-            active = true;
+            has_work = true;
         }
         let content = self.pictures.shown(0).map(|s| s.content);
         let look = PictureDisplay {
@@ -58,10 +58,10 @@ impl Viewer {
             split: self.state.split,
             gain: self.state.gain,
             tone: self.state.shown_tone(content.unwrap_or(Content::Color)),
-            lens: self.pictures.shown(0).and_then(|s| s.lens).unwrap_or(wanted.camera.lens),
+            lens: self.pictures.shown(0).and_then(|s| s.lens).unwrap_or(request.camera.lens),
         };
-        self.shown = Some(look);
-        Ok(active)
+        self.display = Some(look);
+        Ok(has_work)
     }
 
     /// Returns whether the frame at rest must be analysed, because the picture or the open part of the panel shows the
@@ -77,9 +77,9 @@ impl Viewer {
     /// Traces the ray of the picked pixel, if the panel shows it, and explains the pixel. Returns whether the ray
     /// changed.
     fn pick(&mut self) -> bool {
-        let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
+        let picked = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
         let inspection = self.analysis.as_ref().and_then(|a| a.inspection.as_ref());
-        let (Some(pixel), Some(inspection)) = (wanted, inspection) else { return false };
+        let (Some(pixel), Some(inspection)) = (picked, inspection) else { return false };
         if self.ray.as_ref().is_some_and(|r| r.pixel == pixel) {
             return false;
         }
@@ -91,7 +91,8 @@ impl Viewer {
     /// Returns the report on a pixel of the first method's frame at rest; `None` if the frame was not analysed.
     fn explain(&self, pixel: [u32; 2]) -> Option<PixelReport> {
         let analysis = self.analysis.as_ref()?;
-        let (inspection, [reflection, composite]) = (analysis.inspection.as_ref()?, analysis.made.as_ref()?);
+        let (inspection, [reflection, composite]) =
+            (analysis.inspection.as_ref()?, analysis.reflection_and_composite.as_ref()?);
         let side = &self.state.sides[0];
         let materials = self.state.globals.materials(&self.scene, &self.state.view);
         let world = World::new(&self.scene, &materials);
@@ -100,17 +101,17 @@ impl Viewer {
     }
 
     /// Starts to compare the frame at rest with the world reference, on another thread.
-    fn compare_with_reference(&mut self, wanted: &FrameRequest, analysis: &FrameAnalysis) {
-        let request = ComparisonRequest {
+    fn compare_with_reference(&mut self, request: &FrameRequest, analysis: &FrameAnalysis) {
+        let comparison = ComparisonRequest {
             scene: Arc::clone(&self.scene),
-            materials: wanted.materials.clone(),
-            camera: wanted.camera,
-            extent: wanted.extent,
-            effect: wanted.sides.first().map_or_else(|| Setup::new(wanted.extent).effect(), |s| s.setup.effect()),
+            materials: request.materials.clone(),
+            camera: request.camera,
+            extent: request.extent,
+            effect: request.sides.first().map_or_else(|| Setup::new(request.extent).effect(), |s| s.setup.effect()),
             reflections: analysis.reflections.clone(),
         };
         let wake = Arc::clone(&self.wake);
-        self.reference_error.start(request, move || wake());
+        self.reference_error.start(comparison, move || wake());
     }
 
     /// Sets the range of numbers that is shown to the least and the greatest number of the first picture, in the shown
@@ -133,13 +134,13 @@ impl Viewer {
 
     /// Loads the scene that the state names, and shows its first view.
     fn load_scene(&mut self) -> Result<()> {
-        let place = if self.state.scene == scene_name(&self.given) {
-            self.given.clone()
+        let place = if self.state.scene == scene_name(&self.first_place) {
+            self.first_place.clone()
         } else {
-            SceneOptions { scene: vec![PathBuf::from(&self.state.scene)], ..self.given.clone() }
+            SceneOptions { scene: vec![PathBuf::from(&self.state.scene)], ..self.first_place.clone() }
         };
         let scene = resolve::scene(&place, "rooms")?;
-        self.views = views(&scene, &place)?;
+        self.views = views_with_lens(&scene, &place)?;
         let Some(first) = self.views.first().cloned() else { return Ok(()) };
         // The memory of the old scene is freed before the new one is uploaded.
         self.pictures.discard_pipelines();

@@ -6,10 +6,10 @@ use ssct_lab::study::Stats;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// How far back in time the bars reach.
-const KEPT: Duration = Duration::from_secs(10);
+/// The greatest age of a frame that is kept.
+const MAX_AGE: Duration = Duration::from_secs(10);
 /// The most frames that are kept.
-const FRAMES: usize = 240;
+const MAX_FRAMES: usize = 240;
 
 /// The time of a pass, or of all levels of a chain together, in one frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,13 +45,13 @@ impl History {
             }
         }
         // A different list of passes means another method or setting, whose times are not comparable.
-        let names = |s: &[StageTime]| s.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
-        if self.frames.back().is_some_and(|(_, last)| names(last) != names(&stages)) {
+        let stage_names = |s: &[StageTime]| s.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
+        if self.frames.back().is_some_and(|(_, last)| stage_names(last) != stage_names(&stages)) {
             self.frames.clear();
         }
         self.frames.push_back((now, stages));
-        let is_old = |f: Option<&(Instant, _)>| f.is_some_and(|(time, _)| now.duration_since(*time) > KEPT);
-        while self.frames.len() > FRAMES || is_old(self.frames.front()) {
+        let is_old = |frame: Option<&(Instant, _)>| frame.is_some_and(|(time, _)| now.duration_since(*time) > MAX_AGE);
+        while self.frames.len() > MAX_FRAMES || is_old(self.frames.front()) {
             self.frames.pop_front();
         }
         self.recorded.clone_from(&report.recorded);
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(stages.iter().map(|s| (&s.0[..], s.1)).collect::<Vec<_>>(), [("g-buffer", false), ("hi-z", true)]);
         history.add(&report(&[("ray trace", 4.0, true)]), now);
         assert_eq!(history.total().samples, 1, "another method's times are no samples of this one");
-        history.add(&report(&[("ray trace", 5.0, true)]), now + KEPT * 2);
+        history.add(&report(&[("ray trace", 5.0, true)]), now + MAX_AGE * 2);
         assert_eq!(history.total().median_ms, 5.0, "what is old is forgotten");
     }
 }

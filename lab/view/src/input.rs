@@ -35,7 +35,7 @@ pub enum Action {
 }
 
 /// Returns the action of a key when it is pressed, with or without a shift key; `None` if it has none.
-pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
+pub fn action_of_key(code: KeyCode, shift: bool) -> Option<Action> {
     use KeyCode as K;
     const DIGITS: [KeyCode; 9] =
         [K::Digit1, K::Digit2, K::Digit3, K::Digit4, K::Digit5, K::Digit6, K::Digit7, K::Digit8, K::Digit9];
@@ -56,19 +56,19 @@ pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
 }
 
 /// Returns whether one of the pressed keys is a shift key.
-pub fn shift(keys: &HashSet<KeyCode>) -> bool {
+pub fn is_shift_pressed(keys: &HashSet<KeyCode>) -> bool {
     keys.contains(&KeyCode::ShiftLeft) || keys.contains(&KeyCode::ShiftRight)
 }
 
 /// Returns the motion of the camera that the pressed keys ask for. Opposite keys cancel each other.
-pub fn motion(keys: &HashSet<KeyCode>) -> FlyMotion {
+pub fn motion_of_keys(keys: &HashSet<KeyCode>) -> FlyMotion {
     let axis = |plus, minus| f32::from(keys.contains(&plus)) - f32::from(keys.contains(&minus));
     let direction = Vec3::new(
         axis(KeyCode::KeyD, KeyCode::KeyA),
         axis(KeyCode::KeyE, KeyCode::KeyQ),
         axis(KeyCode::KeyW, KeyCode::KeyS),
     );
-    FlyMotion { direction, fast: shift(keys) }
+    FlyMotion { direction, fast: is_shift_pressed(keys) }
 }
 
 #[cfg(test)]
@@ -77,18 +77,18 @@ mod tests {
 
     #[test]
     fn keys_do_what_the_help_says() {
-        assert_eq!(action(KeyCode::KeyR, false), Some(Action::Roughness(1.0)));
-        assert_eq!(action(KeyCode::KeyR, true), Some(Action::Roughness(-1.0)));
-        assert_eq!(action(KeyCode::Digit1, false), Some(Action::View(0)));
-        assert_eq!(action(KeyCode::Digit9, false), Some(Action::View(8)));
-        assert_eq!(action(KeyCode::F1, false), Some(Action::Panel));
-        assert_eq!(action(KeyCode::KeyN, false), Some(Action::AddCapture));
-        assert_eq!(action(KeyCode::KeyW, false), None);
+        assert_eq!(action_of_key(KeyCode::KeyR, false), Some(Action::Roughness(1.0)));
+        assert_eq!(action_of_key(KeyCode::KeyR, true), Some(Action::Roughness(-1.0)));
+        assert_eq!(action_of_key(KeyCode::Digit1, false), Some(Action::View(0)));
+        assert_eq!(action_of_key(KeyCode::Digit9, false), Some(Action::View(8)));
+        assert_eq!(action_of_key(KeyCode::F1, false), Some(Action::Panel));
+        assert_eq!(action_of_key(KeyCode::KeyN, false), Some(Action::AddCapture));
+        assert_eq!(action_of_key(KeyCode::KeyW, false), None);
     }
 
     #[test]
     fn opposite_keys_cancel_and_shift_is_fast() {
-        let motion_of = |keys: &[KeyCode]| motion(&keys.iter().copied().collect());
+        let motion_of = |keys: &[KeyCode]| motion_of_keys(&keys.iter().copied().collect());
         assert!(!motion_of(&[KeyCode::KeyW, KeyCode::KeyS]).is_moving());
         let m = motion_of(&[KeyCode::KeyA, KeyCode::KeyE, KeyCode::ShiftLeft]);
         assert_eq!((m.direction, m.fast), (Vec3::new(-1.0, 1.0, 0.0), true));

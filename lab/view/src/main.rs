@@ -56,19 +56,19 @@ use winit::event_loop::{ControlFlow, EventLoop};
 const ANIMATION_DELAY_MS: u16 = 80;
 
 fn main() -> ExitCode {
-    app::program(options::command, run)
+    app::run_program(options::command, run)
 }
 
 /// Opens the window; returns when it is closed.
 fn run(options: &ViewOptions) -> anyhow::Result<()> {
     custom::watch();
     let common = &options.common;
-    let sides = sides(options)?;
+    let sides = compared_sides(options)?;
     let globals = resolve::one_globals(&common.place, "view shows one image")?;
     if let Some(path) = &options.screenshot {
         images::check_extension(path)?;
     }
-    if let Some(path) = options.animation.as_ref().filter(|p| !ends_with(p, "gif")) {
+    if let Some(path) = options.animation.as_ref().filter(|p| !has_extension(p, "gif")) {
         return Err(Error::usage(format!("{}: an animation is written as .gif", path.display())).into());
     }
     let mut path = PathEditor::default();
@@ -95,8 +95,8 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
         }
         error => error.into(),
     })?;
-    let state = state(options, &scene, view, globals, sides);
-    let is_png = options.screenshot.as_ref().is_some_and(|p| ends_with(p, "png"));
+    let state = initial_state(options, &scene, view, globals, sides);
+    let is_png = options.screenshot.as_ref().is_some_and(|p| has_extension(p, "png"));
     let script = Script::new(ScriptPlan {
         frames: options.frames,
         path: camera_path.filter(|_| options.frames.is_some()),
@@ -125,14 +125,14 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     }
     let counts = app.viewer.as_ref().map_or([0, 0], Viewer::counts);
     drop(app.viewer);
-    write(options, app.script, counts, &gpu)?;
+    write_out(options, app.script, counts, &gpu)?;
     gpu.check_validation()?;
     Ok(())
 }
 
 /// Writes the files and the record of a scripted run. `rendered` is the number of frames that were rendered, and
 /// `drawn` the number of times that panel and picture were drawn.
-fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
+fn write_out(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
     if let (Some(path), Some(pixels)) = (&options.screenshot, &script.pixels) {
         images::write_image(path, pixels)?;
     }
@@ -154,7 +154,7 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
 }
 
 /// Returns the shown method and the method to compare with, both with the options of the command line.
-fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
+fn compared_sides(options: &ViewOptions) -> Result<[Side; 2]> {
     let first = methods::find(&options.method)?;
     let second = match &options.against {
         Some(name) => methods::find(name)?,
@@ -179,7 +179,7 @@ fn method_options(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> 
 }
 
 /// Returns the state with which the window opens.
-fn state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globals, sides: [Side; 2]) -> State {
+fn initial_state(options: &ViewOptions, scene: &Scene, view: View, globals: stage::Globals, sides: [Side; 2]) -> State {
     State {
         tab: options.panel,
         scene: viewer::scene_name(&options.common.place),
@@ -218,6 +218,6 @@ fn watched_folder(options: &ViewOptions) -> Result<Option<PathBuf>> {
 }
 
 /// Returns whether a file has an extension, in upper or lower case.
-fn ends_with(path: &Path, extension: &str) -> bool {
+fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

@@ -3,10 +3,10 @@
 use crate::presentation::PresentMode;
 use crate::state::{InnerImage, Tab};
 use clap::{Command, Parser, ValueEnum};
-use ssct_lab::app::cli::{CommonOptions, size};
+use ssct_lab::app::cli::{CommonOptions, parse_size};
 use ssct_lab::app::headings::{METHOD, OUTPUT, WINDOW};
 use ssct_lab::app::help;
-use ssct_lab::app::parameters::choice;
+use ssct_lab::app::parameters::choice_parser;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -46,7 +46,7 @@ pub struct ViewOptions {
     /// Width and height of the picture
     ///
     /// The panel stands beside the picture.
-    #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "960x540")]
     pub size: [u32; 2],
     /// Part of the panel that is open.
     #[arg(long, help_heading = WINDOW, value_name = "PART", value_enum, default_value_t)]
@@ -67,7 +67,13 @@ pub struct ViewOptions {
     #[arg(long, help_heading = WINDOW, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
     /// How images replace one another on the screen.
-    #[arg(long, help_heading = WINDOW, value_name = "MODE", value_parser = choice::<PresentMode>(), default_value = "fifo")]
+    #[arg(
+        long,
+        help_heading = WINDOW,
+        value_name = "MODE",
+        value_parser = choice_parser::<PresentMode>(),
+        default_value = "fifo"
+    )]
     pub present_mode: PresentMode,
     /// Show so many frames, take no input, and quit
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -100,7 +106,7 @@ pub enum TwoMethods {
 
 /// Returns the command line, arranged for the kind of help that the arguments ask for.
 pub fn command(arguments: &[OsString]) -> Command {
-    help::of_one_command::<ViewOptions>(arguments)
+    help::single_command::<ViewOptions>(arguments)
 }
 
 /// Parses `--inside`, as in `hi-z/3`.

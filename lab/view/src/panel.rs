@@ -38,7 +38,7 @@ pub fn show(
     let width = ui.available_width();
     if state.tab != Tab::None && width >= WIDTH + NARROWEST_PICTURE {
         egui::Panel::right("panel").exact_size(WIDTH).show(ui, |ui| {
-            egui::Panel::bottom("status").show(ui, |ui| status(ui, data));
+            egui::Panel::bottom("status").show(ui, |ui| draw_status(ui, data));
             ui.horizontal_wrapped(|ui| {
                 for (tab, title) in Tab::SHOWN {
                     ui.selectable_value(&mut state.tab, tab, title);
@@ -58,17 +58,24 @@ pub fn show(
         });
     }
     let area = ui.available_rect_before_wrap();
-    picture(ui, area, state, data, &mut actions);
+    // The place of the line between two methods, before the mouse moves the line.
+    let split_x = split_x(area, state);
+    handle_mouse(ui, area, state, data, &mut actions);
+    draw_over_picture(ui, area, split_x, state, data);
     actions.area = Some(area);
     actions
 }
 
+/// Returns the place, in points, of the line between two methods in a picture whose rectangle in points is `area`.
+fn split_x(area: Rect, state: &State) -> f32 {
+    area.left() + state.split * area.width()
+}
+
 /// Handles the mouse on the picture, which turns the camera, moves the line between two methods, picks a ray or changes
-/// the speed. Draws the picked ray and the names of the methods over the picture. `area` is the picture's rectangle in
-/// points.
-fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
+/// the speed. `area` is the picture's rectangle in points.
+fn handle_mouse(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
+    let split_x = split_x(area, state);
     let response = ui.allocate_rect(area, Sense::click_and_drag());
-    let split_x = area.left() + state.split * area.width();
     if state.compare == Compare::Split {
         let handle = Rect::from_x_y_ranges(split_x - 6.0..=split_x + 6.0, area.y_range());
         let handle = ui.interact(handle, ui.id().with("split"), Sense::drag());
@@ -85,10 +92,8 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
         let drag = response.drag_delta() * ui.pixels_per_point();
         let turned = ui.input(|i| i.pointer.motion()).unwrap_or(drag);
         if turned != egui::Vec2::ZERO {
-            state.steer(|camera| {
-                camera.turn(Vec2::new(turned.x, turned.y));
-                true
-            });
+            state.camera.turn(Vec2::new(turned.x, turned.y));
+            state.moved = true;
         }
     }
     if let (true, Tab::Ray, Some(pointer)) = (response.clicked(), state.tab, response.interact_pointer_pos()) {
@@ -97,17 +102,17 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
     if response.hovered() {
         let notches: f32 = ui.input(|i| i.events.iter().filter_map(notches).sum());
         if notches != 0.0 {
-            state.steer(|camera| {
-                camera.change_speed(notches);
-                false
-            });
+            state.camera.change_speed(notches);
         }
     }
+}
+
+/// Draws the picked ray and the names of the methods over the picture, whose rectangle in points is `area`.
+fn draw_over_picture(ui: &Ui, area: Rect, split_x: f32, state: &State, data: &PanelData) {
     if let (Tab::Ray, Some(ray)) = (state.tab, data.ray) {
-        // The image of a capture that is shown instead of the screen, if any.
-        let cube = state.inside.as_ref().and_then(|i| CubeImage::find(&i.name));
         let painter = ui.painter_at(area);
-        match cube {
+        let shown_capture = state.inside.as_ref().and_then(|i| CubeImage::find(&i.name));
+        match shown_capture {
             None => ray::draw(&painter, area, data.extent, ray),
             Some(cube) => {
                 if let Some(capture) = data.captures.get(cube.capture) {
@@ -117,27 +122,27 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
         }
     }
     if state.compare != Compare::One && state.tab != Tab::None {
-        names(ui, area, split_x, state);
+        draw_method_names(ui, area, split_x, state);
     }
 }
 
 /// Writes the names of the methods over their parts of the picture.
-fn names(ui: &Ui, area: Rect, split_x: f32, state: &State) {
+fn draw_method_names(ui: &Ui, area: Rect, split_x: f32, state: &State) {
     let painter = ui.painter_at(area);
-    let text = |anchor: egui::Pos2, align: egui::Align2, text: &str| {
+    let draw_name = |anchor: egui::Pos2, align: egui::Align2, text: &str| {
         let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(14.0), Color32::WHITE);
         let rect = align.anchor_size(anchor, galley.size());
         painter.rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(180));
         painter.galley(rect.min, galley, Color32::WHITE);
     };
-    let [a, b] = [0, 1].map(|i| state.sides[i].method.name);
+    let [first, second] = [0, 1].map(|i| state.sides[i].method.name);
     let y = area.top() + 10.0;
     if state.compare == Compare::Split {
-        text(egui::pos2(split_x - 10.0, y), egui::Align2::RIGHT_TOP, a);
-        text(egui::pos2(split_x + 10.0, y), egui::Align2::LEFT_TOP, b);
+        draw_name(egui::pos2(split_x - 10.0, y), egui::Align2::RIGHT_TOP, first);
+        draw_name(egui::pos2(split_x + 10.0, y), egui::Align2::LEFT_TOP, second);
     } else {
-        let what = format!("|{a} − {b}| × {:.1}", state.gain);
-        text(egui::pos2(area.center().x, y), egui::Align2::CENTER_TOP, &what);
+        let difference = format!("|{first} − {second}| × {:.1}", state.gain);
+        draw_name(egui::pos2(area.center().x, y), egui::Align2::CENTER_TOP, &difference);
     }
 }
 
@@ -159,7 +164,7 @@ fn pixel_at(area: Rect, extent: [u32; 2], point: egui::Pos2) -> [u32; 2] {
 }
 
 /// Draws the last lines of the panel, which are always shown: whether frames are rendered, and how many were.
-fn status(ui: &mut Ui, data: &PanelData) {
+fn draw_status(ui: &mut Ui, data: &PanelData) {
     let [frames, drawings, submissions] = data.counts;
     let total = data.histories.first().map(|h| h.total());
     ui.horizontal(|ui| {

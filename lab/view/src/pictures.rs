@@ -76,7 +76,7 @@ pub struct FrameAnalysis {
     /// The data of the first method's frame that were read back.
     pub inspection: Option<Inspection>,
     /// The reflection with its fade, and the finished image, of the first method.
-    pub made: Option<[Pixels; 2]>,
+    pub reflection_and_composite: Option<[Pixels; 2]>,
     /// The number of steps of each pixel's ray, for methods that traverse a Hi-Z chain.
     pub steps: Option<Vec<u32>>,
 }
@@ -88,17 +88,17 @@ pub struct Pictures {
     /// The first and the second method that are shown.
     shown: [Option<ShownMethod>; 2],
     /// The first method as a shot that also writes the ends of its rays.
-    with_hits: Option<(Side, Shot)>,
+    shot_with_hits: Option<(Side, Shot)>,
     /// The request that the pictures show; `None` if something made them stale.
-    rendered: Option<FrameRequest>,
+    shown_request: Option<FrameRequest>,
     /// The number of further frames until an image at rest is final, since histories average over frames.
-    settling: u32,
+    frames_to_settle: u32,
     /// The last request that was rendered, even if the pictures are stale.
-    last: Option<FrameRequest>,
+    last_request: Option<FrameRequest>,
     /// The materials of the last frame.
     materials: Vec<Material>,
     /// The captures of the scene's file.
-    own_captures: Vec<Capture>,
+    scene_captures: Vec<Capture>,
     /// The captures of the user that replace them on the stage, if any.
     captures: Option<Vec<Capture>>,
 }
@@ -109,37 +109,37 @@ impl Pictures {
         Ok(Self {
             stage: Stage::new(gpu, scene)?,
             shown: [None, None],
-            with_hits: None,
-            rendered: None,
-            settling: 0,
-            last: None,
+            shot_with_hits: None,
+            shown_request: None,
+            frames_to_settle: 0,
+            last_request: None,
             materials: Vec::new(),
-            own_captures: scene.captures.clone(),
+            scene_captures: scene.captures.clone(),
             captures: None,
         })
     }
 
     /// Returns whether a request differs from the one rendered last, or whether its history is not complete yet.
-    pub fn needs_rendering(&self, wanted: &FrameRequest) -> bool {
-        self.settling > 0 || self.rendered.as_ref() != Some(wanted)
+    pub fn needs_rendering(&self, request: &FrameRequest) -> bool {
+        self.frames_to_settle > 0 || self.shown_request.as_ref() != Some(request)
     }
 
     /// Forces the next frame to be rendered, even if nothing changed.
     pub fn invalidate(&mut self) {
-        self.rendered = None;
+        self.shown_request = None;
     }
 
     /// Discards all pipelines, which the next frame makes anew, and all measured times.
     pub fn discard_pipelines(&mut self) {
         self.shown = [None, None];
-        self.with_hits = None;
-        self.rendered = None;
+        self.shot_with_hits = None;
+        self.shown_request = None;
     }
 
     /// Makes the pipelines of the last frame and discards them, to test whether they can be made.
     pub fn try_pipelines(&mut self) -> Result<()> {
-        let Some(wanted) = self.last.clone() else { return Ok(()) };
-        wanted.sides.iter().try_for_each(|side| self.shot(side, Wants::REFLECTION, &wanted).map(|_| ()))
+        let Some(request) = self.last_request.clone() else { return Ok(()) };
+        request.sides.iter().try_for_each(|side| self.make_shot(side, Wants::REFLECTION, &request).map(|_| ()))
     }
 
     /// Returns the first (0) or second (1) method that is shown; `None` before it was rendered.
@@ -150,35 +150,35 @@ impl Pictures {
     /// Returns the stage, the two pictures, and the meaning of the first one's numbers. If only one picture is shown,
     /// it is returned twice. `None` before the first frame.
     pub fn parts(&mut self) -> Option<(&mut Stage, [&Image; 2], Content)> {
-        let Self { stage, shown: [first, second], rendered, .. } = self;
+        let Self { stage, shown: [first, second], shown_request, .. } = self;
         let first = first.as_ref()?;
-        let has_two = rendered.as_ref().is_some_and(|request| request.sides.len() > 1);
+        let has_two = shown_request.as_ref().is_some_and(|request| request.sides.len() > 1);
         let second = second.as_ref().filter(|_| has_two).unwrap_or(first);
         Some((stage, [first.kept.image(), second.kept.image()], first.content))
     }
 
     /// Renders a frame of each method of a request, and keeps the pictures.
-    pub fn render(&mut self, wanted: &FrameRequest) -> Result<()> {
-        let new_materials = self.materials != wanted.materials;
-        self.rendered = None;
-        if self.captures != wanted.captures {
+    pub fn render(&mut self, request: &FrameRequest) -> Result<()> {
+        let new_materials = self.materials != request.materials;
+        self.shown_request = None;
+        if self.captures != request.captures {
             // The methods keep images whose number and size follow from the captures.
             self.discard_pipelines();
-            self.stage.set_captures(wanted.captures.clone().unwrap_or_else(|| self.own_captures.clone()));
-            self.captures.clone_from(&wanted.captures);
+            self.stage.set_captures(request.captures.clone().unwrap_or_else(|| self.scene_captures.clone()));
+            self.captures.clone_from(&request.captures);
         }
-        if wanted.sides.len() < 2 {
+        if request.sides.len() < 2 {
             self.shown[1] = None;
         }
-        for (i, side) in wanted.sides.iter().enumerate() {
-            let fits = |s: &ShownMethod| s.side == *side && s.kept.image().extent() == wanted.extent;
+        for (i, side) in request.sides.iter().enumerate() {
+            let fits = |s: &ShownMethod| s.side == *side && s.kept.image().extent() == request.extent;
             if !self.shown[i].as_ref().is_some_and(fits) {
                 // The old images are freed before the new ones are allocated.
                 let history = self.shown[i].take().map(|s| s.history).unwrap_or_default();
                 self.shown[i] = Some(ShownMethod {
-                    shot: self.shot(side, Wants::REFLECTION, wanted)?,
+                    shot: self.make_shot(side, Wants::REFLECTION, request)?,
                     side: side.clone(),
-                    kept: KeepPass::new(self.stage.context.gpu(), wanted.extent)?,
+                    kept: KeepPass::new(self.stage.context.gpu(), request.extent)?,
                     content: Content::Color,
                     history,
                     images: Vec::new(),
@@ -189,29 +189,30 @@ impl Pictures {
                     shown.history.clear();
                 }
             } else if let (true, Some(shown)) = (new_materials, &mut self.shown[i]) {
-                shown.shot.set_materials(&mut self.stage, wanted.materials.clone())?;
+                shown.shot.set_materials(&mut self.stage, request.materials.clone())?;
                 shown.kept_cube = None;
             }
             if let Some(shown) = &mut self.shown[i] {
-                shown.render(&mut self.stage, wanted)?;
+                shown.render(&mut self.stage, request)?;
             }
         }
         if new_materials {
-            self.with_hits = None;
-            self.materials.clone_from(&wanted.materials);
+            self.shot_with_hits = None;
+            self.materials.clone_from(&request.materials);
         }
         let further_frames = |shown: &ShownMethod| shown.shot.frames_at_rest() - 1;
         let most = self.shown.iter().flatten().map(further_frames).max().unwrap_or_default();
-        self.settling = if self.last.as_ref() == Some(wanted) { self.settling.saturating_sub(1) } else { most };
-        self.rendered = Some(wanted.clone());
-        self.last = Some(wanted.clone());
+        self.frames_to_settle =
+            if self.last_request.as_ref() == Some(request) { self.frames_to_settle.saturating_sub(1) } else { most };
+        self.shown_request = Some(request.clone());
+        self.last_request = Some(request.clone());
         Ok(())
     }
 
     /// Renders the last frame again, with counters, and reads it back. Returns the reflections of each method, and the
     /// counted work, ray ends and steps of the first.
     pub fn analyse(&mut self) -> Result<FrameAnalysis> {
-        let Some(wanted) = self.rendered.clone() else { return Ok(FrameAnalysis::default()) };
+        let Some(request) = self.shown_request.clone() else { return Ok(FrameAnalysis::default()) };
         let mut analysis = FrameAnalysis::default();
         let (mut hits, mut recorded) = (None, Vec::new());
         for (i, shown) in self.shown.iter().flatten().enumerate() {
@@ -219,10 +220,10 @@ impl Pictures {
             let reflection = gbuffer::reflection(&mut self.stage.context, &output)?;
             analysis.reflections.push(reflection.texels().map(|t| [t[0], t[1], t[2]]).collect());
             if i == 0 {
-                analysis.work = works(&report);
+                analysis.work = labelled_work(&report);
                 recorded.clone_from(&report.recorded);
                 let composite = self.stage.context.read(output.composite.level(0))?;
-                analysis.made = Some([reflection, composite]);
+                analysis.reflection_and_composite = Some([reflection, composite]);
                 hits = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
             }
         }
@@ -230,31 +231,33 @@ impl Pictures {
         // A method that did not write the ends of its rays is rendered once more to get them, if it runs at full
         // resolution.
         if hits.is_none() && first.side.setup.effect().divisor() == 1 {
-            hits = self.hits(&wanted)?;
+            hits = self.render_hits(&request)?;
         }
         let Some(first) = &self.shown[0] else { return Ok(analysis) };
         let gbuffer = gbuffer::read(&mut self.stage.context, &first.shot)?;
         let inspection = Inspection::new(gbuffer, hits, (first.side.method, &first.side.setup), &recorded);
         analysis.steps = inspection.steps();
         analysis.inspection = Some(inspection);
-        if let (Some(steps), true) = (&analysis.steps, wanted.inside.as_ref().is_some_and(|i| i.name == STEPS)) {
-            self.show_steps(wanted.extent, steps)?;
+        if let (Some(steps), true) = (&analysis.steps, request.inside.as_ref().is_some_and(|i| i.name == STEPS)) {
+            self.show_steps(request.extent, steps)?;
         }
         Ok(analysis)
     }
 
     /// Renders the first method with the ends of its rays, and returns these; `None` if the method does not write them.
-    fn hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
-        let side = &wanted.sides[0];
+    fn render_hits(&mut self, request: &FrameRequest) -> Result<Option<Pixels>> {
+        let side = &request.sides[0];
         // Whether a shot that was made before has the same method and size.
-        let fits = |(made, shot): &(Side, Shot)| made == side && shot.gbuffer.gbuffer().depth.extent() == wanted.extent;
-        if !self.with_hits.as_ref().is_some_and(fits) {
-            self.with_hits = None;
-            let shot = self.shot(side, Wants::HITS, wanted)?;
-            self.with_hits = Some((side.clone(), shot));
+        let fits = |(shot_side, shot): &(Side, Shot)| {
+            shot_side == side && shot.gbuffer.gbuffer().depth.extent() == request.extent
+        };
+        if !self.shot_with_hits.as_ref().is_some_and(fits) {
+            self.shot_with_hits = None;
+            let shot = self.make_shot(side, Wants::HITS, request)?;
+            self.shot_with_hits = Some((side.clone(), shot));
         }
-        let Some((_, shot)) = &mut self.with_hits else { return Ok(None) };
-        shot.camera = wanted.camera;
+        let Some((_, shot)) = &mut self.shot_with_hits else { return Ok(None) };
+        shot.camera = request.camera;
         let (_, _, output) = self.stage.output(shot)?;
         Ok(output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?)
     }
@@ -269,20 +272,20 @@ impl Pictures {
     }
 
     /// Makes a method with its pipelines and images for a request; `wants` says which outputs it writes.
-    fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
-        let setup = side.setup.with_extent(wanted.extent);
-        Ok(Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())?)
+    fn make_shot(&mut self, side: &Side, wants: Wants, request: &FrameRequest) -> Result<Shot> {
+        let setup = side.setup.with_extent(request.extent);
+        Ok(Shot::new(&mut self.stage, side.method, &setup, wants, request.camera, request.materials.clone())?)
     }
 }
 
 impl ShownMethod {
     /// Renders a frame of the method, and keeps the picture that the request asks for.
-    fn render(&mut self, stage: &mut Stage, wanted: &FrameRequest) -> Result<()> {
-        self.shot.camera = wanted.camera;
+    fn render(&mut self, stage: &mut Stage, request: &FrameRequest) -> Result<()> {
+        self.shot.camera = request.camera;
         let (report, _, output) = stage.output_in(Mode::Timed, &self.shot)?;
         self.history.add(&report, Instant::now());
         // A cube map cannot be shown as a plane image.
-        let mut images = image::inside(&self.shot, &output);
+        let mut images = image::intermediates(&self.shot, &output);
         images.extend(output.traced.reflection.map(|r| Intermediate {
             name: "reflection",
             content: Content::Color,
@@ -292,7 +295,7 @@ impl ShownMethod {
         images.retain(|i| !matches!(i.content, Content::Pyramid(_)));
         images.retain(|i| i.image.layers() == 1);
         // The intermediate that the request asks for, with its content; a level beyond the last one means the last one.
-        let inside = wanted.inside.as_ref().and_then(|inside| {
+        let inside = request.inside.as_ref().and_then(|inside| {
             let image = images.iter().find(|i| i.name == inside.name)?;
             let parts = image.image.parts();
             parts.get(inside.level as usize).or(parts.last()).map(|part| (image.content, *part))
@@ -315,7 +318,7 @@ impl ShownMethod {
                 extent: captures.color.extent(),
             })
         }));
-        let cube = wanted.inside.as_ref().and_then(|i| Some((CubeImage::find(&i.name)?, i.level)));
+        let cube = request.inside.as_ref().and_then(|i| Some((CubeImage::find(&i.name)?, i.level)));
         let Some(((cube, level), captures)) =
             cube.zip(captures).filter(|((cube, _), captures)| cube.capture < captures.places.len())
         else {
@@ -327,8 +330,8 @@ impl ShownMethod {
         let effect = self.side.setup.effect();
         let is_renewed = effect.captures == CaptureCount::Camera || effect.captures_per_frame > 0;
         if is_renewed || self.kept_cube != Some((cube, level)) {
-            let texels = cube.read(&mut stage.context, &captures, level, wanted.extent)?;
-            let image = Image::from_texels(&mut stage.context, "capture", wanted.extent, &texels)?;
+            let texels = cube.read(&mut stage.context, &captures, level, request.extent)?;
+            let image = Image::from_texels(&mut stage.context, "capture", request.extent, &texels)?;
             stage.context.once(|frame| self.kept.record(frame, image.all()))?;
         }
         let near_m = self.captures().iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
@@ -344,13 +347,13 @@ impl ShownMethod {
 }
 
 /// Returns the label and the counted work of each pass.
-fn works(report: &FrameReport) -> Vec<(String, PassWork)> {
+fn labelled_work(report: &FrameReport) -> Vec<(String, PassWork)> {
     report.recorded.iter().cloned().zip(report.work.iter().copied()).collect()
 }
 
 impl State {
     /// Returns the request for the frame that the state asks for, in a scene and at a size in pixels.
-    pub fn wanted(&self, scene: &Scene, extent: [u32; 2]) -> FrameRequest {
+    pub fn frame_request(&self, scene: &Scene, extent: [u32; 2]) -> FrameRequest {
         let lens = self.view.lens.unwrap_or(scene.lens);
         FrameRequest {
             camera: self.camera.camera(lens, extent[0] as f32 / extent[1] as f32),

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use ssct::methods::EffectParams;
-use ssct_lab::app::reference::{default_cache, kept_in};
+use ssct_lab::app::reference::{default_cache, state_file};
 use ssct_lab::study::compare::display;
 use ssct_scenes::{Camera, Material, Scene};
 use ssct_truth::metrics::flip::FlipMap;
@@ -115,7 +115,7 @@ fn compare(request: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOut
     let world = World::new(&request.scene, &request.materials);
     let first_hits = FirstHits::trace(&world, &request.camera, request.extent);
     let reference = WorldReference::new(&world, &first_hits, &request.camera, 1).with_bounces(request.effect.bounces);
-    let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return ComparisonOutcome::NoReference };
+    let Ok(state) = reference.load(&state_file(&folder, &reference)) else { return ComparisonOutcome::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();
     let [width, height] = request.extent;
@@ -167,7 +167,7 @@ mod tests {
         let reference = WorldReference::new(&world, &first_hits, &camera, 1);
         let mut state = reference.start();
         reference.add(&mut state, 16);
-        state.save(&kept_in(cache.path(), &reference)).unwrap();
+        state.save(&state_file(cache.path(), &reference)).unwrap();
         let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
         let found = outcome(&request(vec![truth, black], materials.clone(), effect));
         let ComparisonOutcome::Errors { samples: 16, methods, .. } = found else { panic!("{found:?}") };

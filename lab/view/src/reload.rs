@@ -50,7 +50,7 @@ impl ShaderWatch {
 
     /// Scans the files, compiles the shaders that may have changed since the last scan, and returns those whose result
     /// is new.
-    pub fn look(&mut self) -> Vec<ShaderChange> {
+    pub fn scan(&mut self) -> Vec<ShaderChange> {
         let found = stamps(&self.root);
         let is_new = |path: &PathBuf, stamp: &Stamp| self.seen.get(path) != Some(stamp);
         let changed: Vec<&PathBuf> = found.iter().filter(|(path, s)| is_new(path, s)).map(|(path, _)| path).collect();
@@ -101,7 +101,7 @@ impl ShaderWatch {
         std::thread::spawn(move || {
             loop {
                 std::thread::sleep(PERIOD);
-                let changes = self.look();
+                let changes = self.scan();
                 if !changes.is_empty() {
                     if sender.send(changes).is_err() {
                         return;
@@ -138,7 +138,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let root = copied_shaders(folder.path());
         let mut watch = ShaderWatch::new(&root).unwrap();
-        assert!(watch.look().is_empty());
+        assert!(watch.scan().is_empty());
         let edit = |name: &str, from: &str, to: &str| {
             let path = root.join(name);
             let text = std::fs::read_to_string(&path).unwrap();
@@ -148,13 +148,13 @@ mod tests {
         let names = |changes: &[ShaderChange]| changes.iter().map(|(s, _)| s.name).collect::<Vec<_>>();
 
         edit("thesis/hi_z_ray_trace.glsl", "i++ >= thesis.iterations", "i++ > thesis.iterations");
-        let changes = watch.look();
+        let changes = watch.scan();
         assert!(names(&changes).contains(&"thesis/ssct.frag") && !names(&changes).contains(&"thesis/hi_z.frag"));
         assert!(changes.iter().all(|(_, made)| made.is_ok()), "{changes:?}");
-        assert!(watch.look().is_empty(), "a change is reported once");
+        assert!(watch.scan().is_empty(), "a change is reported once");
 
         edit("poster/cone_march.frag", "edgeHits >= poster", "edgeHits > poster");
-        let changes = watch.look();
+        let changes = watch.scan();
         let either = ["poster/cone_march.frag", "poster/cone_march.frag COMPUTE"];
         let volumes = ["poster/cone_march.frag VOLUME", "poster/cone_march.frag VOLUME COMPUTE"];
         assert_eq!(names(&changes), [either, volumes].concat());
@@ -162,24 +162,24 @@ mod tests {
         assert_ne!(mip, volume, "each with what is defined for it");
 
         edit("common/composite.frag", "color + reflectivity", "color + reflectivity * nonsense");
-        let changes = watch.look();
+        let changes = watch.scan();
         let [(shader, Err(message)), (_, Err(_))] = &changes[..] else { panic!("{changes:?}") };
         let text = std::fs::read_to_string(root.join("common/composite.frag")).unwrap();
         let line = 1 + text.lines().position(|line| line.contains("nonsense")).unwrap();
         let place = format!("composite.frag:{line}");
         assert!(shader.name == "common/composite.frag" && message.contains(&place), "{place}: {message}");
         edit("common/composite.frag", " * nonsense", " * 2.0");
-        assert!(matches!(&watch.look()[..], [(_, Ok(_)), (_, Ok(_))]));
+        assert!(matches!(&watch.scan()[..], [(_, Ok(_)), (_, Ok(_))]));
 
         edit("common/composite.frag", "layout(binding = 2)", "layout(binding = 3)");
-        let changes = watch.look();
+        let changes = watch.scan();
         let [(_, Err(message)), (_, Err(_))] = &changes[..] else { panic!("{changes:?}") };
         assert!(message.contains("bindings changed"), "{message}");
 
         edit("thesis/linear.frag", "const bool HITS = false", "const int HITS = 0");
         edit("thesis/linear.frag", "if (HITS)", "if (HITS != 0)");
         edit("thesis/linear.frag", "if (HITS)", "if (HITS != 0)");
-        let changes = watch.look();
+        let changes = watch.scan();
         let [(_, Err(message)), (_, Err(_))] = &changes[..] else { panic!("{changes:?}") };
         assert!(message.contains("specialization constants changed"), "{message}");
     }

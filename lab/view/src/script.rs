@@ -84,21 +84,18 @@ impl Script {
 
     /// Prepares the next frame, if one is missing: moves the camera along the path, and forces the frame to be rendered
     /// even if nothing changed.
-    pub fn begin(&mut self, viewer: &mut Viewer) {
+    pub fn prepare_frame(&mut self, viewer: &mut Viewer) {
         let Some(frames) = self.plan.frames.filter(|n| self.is_running() && self.shown < *n) else { return };
         viewer.invalidate();
         if let Some(path) = &self.plan.path {
             let place = path.eye_and_look_at(self.shown as f32 / (frames - 1).max(1) as f32);
-            viewer.state.steer(|camera| {
-                camera.put(place);
-                true
-            });
+            viewer.state.put_camera(place);
         }
     }
 
     /// Counts a frame that was shown. After the last frame the pixels are read and the run ends, as soon as nothing is
     /// pending (`is_pending`): neither a change of the image nor the panel's analysis of it.
-    pub fn end(&mut self, viewer: &mut Viewer, gpu: &Gpu, is_pending: bool) -> Result<()> {
+    pub fn finish_frame(&mut self, viewer: &mut Viewer, gpu: &Gpu, is_pending: bool) -> Result<()> {
         let Some(frames) = self.plan.frames else { return Ok(()) };
         if self.shown < frames {
             self.shown += 1;

@@ -28,7 +28,7 @@ pub struct ViewerSetup {
 impl ViewerSetup {
     /// Builds the viewer for a screen image of the given format. Other threads call `wake` when they have something to
     /// show.
-    pub fn viewer(self, gpu: &Gpu, screen: vk::Format, wake: Wake) -> Result<Viewer> {
+    pub fn build_viewer(self, gpu: &Gpu, screen: vk::Format, wake: Wake) -> Result<Viewer> {
         let mut viewer = Viewer::new(gpu, self.scene, self.state, self.place, screen, wake.clone())?;
         viewer.path = self.path;
         if let Some(folder) = self.shaders {

@@ -2,6 +2,7 @@
 //! which the picture depends has changed since the last rendered frame.
 
 use super::fly_camera::FlyCamera;
+use glam::Vec3;
 use ssct::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
 use ssct::passes::Content;
 use ssct::passes::look::{Compare, Tone};
@@ -206,9 +207,10 @@ impl State {
         self.moved = false;
     }
 
-    /// Calls a function that may change the camera and returns whether the camera moved.
-    pub fn steer(&mut self, change: impl FnOnce(&mut FlyCamera) -> bool) {
-        self.moved |= change(&mut self.camera);
+    /// Moves the camera to an eye and a point that it looks at.
+    pub fn put_camera(&mut self, place: (Vec3, Vec3)) {
+        self.camera.put(place);
+        self.moved = true;
     }
 }
 
@@ -233,7 +235,7 @@ mod tests {
         assert_eq!(side.setup, expected, "a wrong value changes nothing");
         side.set("cone-samples", None);
         side.set("split", None);
-        assert!(side.fault.is_none() && side.setup.values.given().count() == 0);
+        assert!(side.fault.is_none() && side.setup.values.given_names().count() == 0);
     }
 
     #[test]

@@ -83,6 +83,11 @@ fn place() -> SceneOptions {
     CommonOptions::from_arg_matches(&command.get_matches_from(["ssct"])).unwrap().place
 }
 
+/// The event of the left mouse button at a point of the window.
+fn mouse_button(pos: Pos2, pressed: bool) -> Event {
+    Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::default() }
+}
+
 impl TestViewer {
     /// Opens a device, and makes a viewer of the view `corridor` of `rooms`, with mirrors and the methods `ssct` and
     /// `hzct`.
@@ -104,7 +109,7 @@ impl TestViewer {
     }
 
     /// Shows the method `unified` with so many captures of 128² texels a face.
-    fn with_captures(&mut self, count: &str) {
+    fn turn_captures_on(&mut self, count: &str) {
         let unified = ssct::methods::find("unified").unwrap();
         self.viewer.state.choose(0, unified);
         for (option, value) in [("captures", count), ("capture-side", "128")] {
@@ -148,37 +153,25 @@ impl TestViewer {
     }
 
     /// Asserts that the validation layers found nothing; `what` is for the message.
-    fn is_valid(&self, what: &str) {
+    fn assert_valid(&self, what: &str) {
         self.gpu.check_validation().unwrap_or_else(|e| panic!("{what}: {e}"));
     }
 
     /// Clicks at a point of the window, in points.
     fn click(&mut self, x: f32, y: f32) {
         let pos = Pos2::new(x, y);
-        let button = |pressed| Event::PointerButton {
-            pos,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::default(),
-        };
         self.round(vec![Event::PointerMoved(pos)]);
-        self.round(vec![button(true)]);
-        self.round(vec![button(false)]);
+        self.round(vec![mouse_button(pos, true)]);
+        self.round(vec![mouse_button(pos, false)]);
     }
 
     /// Drags the mouse from one point of the window to another, in points.
     fn drag(&mut self, from: [f32; 2], to: [f32; 2]) {
         let [from, to] = [from, to].map(|p| Pos2::new(p[0], p[1]));
-        let button = |pos, pressed| Event::PointerButton {
-            pos,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::default(),
-        };
         self.round(vec![Event::PointerMoved(from)]);
-        self.round(vec![button(from, true)]);
+        self.round(vec![mouse_button(from, true)]);
         self.round(vec![Event::PointerMoved(from.lerp(to, 0.5))]);
         self.round(vec![Event::PointerMoved(to)]);
-        self.round(vec![button(to, false)]);
+        self.round(vec![mouse_button(to, false)]);
     }
 }

@@ -56,7 +56,7 @@ pub struct Viewer {
     /// The options that select the shown scene.
     pub(super) place: SceneOptions,
     /// The options of the command line, which select the first scene.
-    pub(super) given: SceneOptions,
+    pub(super) first_place: SceneOptions,
     /// The names of all scenes that the user can choose.
     scenes: Vec<String>,
     pub(super) pictures: Pictures,
@@ -80,7 +80,7 @@ pub struct Viewer {
     textures: egui::TexturesDelta,
     pixels_per_point: f32,
     /// How and where the pictures are drawn; `None` before the first frame.
-    pub(super) shown: Option<PictureDisplay>,
+    pub(super) display: Option<PictureDisplay>,
     /// Number of frames rendered.
     pub(super) frames: u64,
     /// Number of times that panel and pictures were drawn.
@@ -134,17 +134,17 @@ impl Viewer {
         });
         egui.set_theme(egui::Theme::Dark);
         Ok(Self {
-            views: views(&scene, &place)?,
+            views: views_with_lens(&scene, &place)?,
             pictures: Pictures::new(gpu, &scene)?,
             overlay: Overlay::new(gpu, screen_format)?,
             look: LookPass::new(gpu, screen_format)?,
-            screen: screen(gpu, screen_format, [1, 1])?,
+            screen: new_screen(gpu, screen_format, [1, 1])?,
             scene: Arc::new(scene),
             gpu: gpu.clone(),
             state,
             path: PathEditor::default(),
             captures: CaptureEditor::new(&place.scene, place.scale),
-            given: place.clone(),
+            first_place: place.clone(),
             place,
             scenes,
             egui,
@@ -157,7 +157,7 @@ impl Viewer {
             triangles: Vec::new(),
             textures: egui::TexturesDelta::default(),
             pixels_per_point: 1.0,
-            shown: None,
+            display: None,
             frames: 0,
             drawings: 0,
             looking: false,
@@ -217,12 +217,12 @@ impl Viewer {
             self.act(action);
         }
         self.looking = actions.looking;
-        let active = self.follow(&actions, input.extent, output.pixels_per_point)?;
+        let has_work = self.follow(&actions, input.extent, output.pixels_per_point)?;
         self.textures.append(output.textures_delta);
         self.triangles = self.egui.tessellate(output.shapes, output.pixels_per_point);
         self.pixels_per_point = output.pixels_per_point;
         let delay = output.viewport_output.values().map(|v| v.repaint_delay).min().unwrap_or(Duration::MAX);
-        let goes_on = active || self.path.playing().is_some() || input.motion.is_moving();
+        let goes_on = has_work || self.path.playing().is_some() || input.motion.is_moving();
         let again = if goes_on { Some(Duration::ZERO) } else { Some(delay).filter(|d| *d != Duration::MAX) };
         Ok(ViewerOutput { platform: output.platform_output, again })
     }
@@ -234,12 +234,12 @@ impl Viewer {
         &mut self,
         present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> ssct::Result<()>) -> Result<R>,
     ) -> Result<Option<R>> {
-        let Self { pictures, look, shown, overlay, screen, triangles, textures, pixels_per_point, .. } = self;
-        let (Some(shown), Some((stage, kept, _))) = (shown, pictures.parts()) else { return Ok(None) };
+        let Self { pictures, look, display, overlay, screen, triangles, textures, pixels_per_point, .. } = self;
+        let (Some(display), Some((stage, kept, _))) = (display, pictures.parts()) else { return Ok(None) };
         self.drawings += 1;
         overlay.update_textures(textures)?;
         let mut record = |frame: &mut Frame| {
-            look.record(frame, screen, shown, kept)?;
+            look.record(frame, screen, display, kept)?;
             overlay.record(frame, screen.all(), *pixels_per_point, triangles)
         };
         present(&mut stage.context, screen, &mut record).map(Some)
@@ -282,18 +282,6 @@ impl Viewer {
         self.pictures.shown(0).map(|s| s.history.recorded.clone()).unwrap_or_default()
     }
 
-    /// Returns the ray that is drawn, if any.
-    #[cfg(test)]
-    pub fn ray(&self) -> Option<&PickedRay> {
-        self.ray.as_ref()
-    }
-
-    /// Returns the report on the picked pixel, if one is picked.
-    #[cfg(test)]
-    pub fn pixel(&self) -> Option<&PixelReport> {
-        self.pixel.as_ref()
-    }
-
     /// Returns the data of the frame at rest that were read back, if it was analysed.
     #[cfg(test)]
     pub fn inspection(&self) -> Option<&ssct_lab::study::inspect::Inspection> {
@@ -309,13 +297,10 @@ impl Viewer {
     /// Moves the camera by the pressed keys, and along the key frames that are played.
     fn move_camera(&mut self, input: &ViewerInput) {
         if input.motion.is_moving() {
-            self.state.steer(|camera| camera.fly(input.motion, input.seconds));
+            self.state.moved |= self.state.camera.fly(input.motion, input.seconds);
         }
         if let Some(place) = self.path.advance(input.seconds) {
-            self.state.steer(|camera| {
-                camera.put(place);
-                true
-            });
+            self.state.put_camera(place);
         }
     }
 
@@ -344,9 +329,10 @@ impl Viewer {
 
     /// Lays out the panel for egui's input; returns egui's output and the user's actions.
     fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
-        let is_idle = !self.pictures.needs_rendering(&self.wanted(self.area())) && !self.needs_analysis();
+        let extent = self.picture_extent();
+        let is_idle = !self.pictures.needs_rendering(&self.frame_request(extent)) && !self.needs_analysis();
         let Self { state, path, captures, pictures, egui, .. } = self;
-        let command = reference_command(state, self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]));
+        let command = reference_command(state, extent);
         let data = PanelData {
             scenes: &self.scenes,
             views: &self.views,
@@ -358,7 +344,7 @@ impl Viewer {
             pixel: self.pixel.as_ref(),
             reference_error: &self.reference_error,
             reference_command: &command,
-            extent: self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]),
+            extent,
             shaders: self.shaders.as_ref().map(|s| (&s.folder[..], &s.statuses[..])),
             counts: [self.frames, self.drawings, self.gpu.submissions()],
             idle: is_idle,
@@ -369,8 +355,8 @@ impl Viewer {
     }
 
     /// Returns the request for a frame of the current state and captures, at a size in pixels.
-    pub(super) fn wanted(&self, extent: [u32; 2]) -> FrameRequest {
-        FrameRequest { captures: self.captures.list.clone(), ..self.state.wanted(&self.scene, extent) }
+    pub(super) fn frame_request(&self, extent: [u32; 2]) -> FrameRequest {
+        FrameRequest { captures: self.captures.list.clone(), ..self.state.frame_request(&self.scene, extent) }
     }
 
     /// Returns the captures with which a change begins: those that are shown, or else those of the scene.
@@ -380,8 +366,8 @@ impl Viewer {
     }
 
     /// Returns the width and height of the pictures in pixels; 1 before the first frame.
-    fn area(&self) -> [u32; 2] {
-        self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]])
+    fn picture_extent(&self) -> [u32; 2] {
+        self.display.map_or([1, 1], |display| [display.area[2], display.area[3]])
     }
 }
 
@@ -395,12 +381,12 @@ pub fn scene_name(place: &SceneOptions) -> String {
 }
 
 /// Returns the views of a scene, with the lens of the options if these have one.
-pub(super) fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
+pub(super) fn views_with_lens(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
     scene.views.iter().map(|v| resolve::with_lens(scene, v.clone(), place)).collect()
 }
 
 /// Makes the image of `extent` pixels into which the window's content is drawn.
-pub(super) fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
+pub(super) fn new_screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     Ok(Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })?)
 }

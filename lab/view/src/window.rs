@@ -1,7 +1,7 @@
 //! The window of `ssct view`: passes input to the [`Viewer`], and the viewer's image to the screen. The window is drawn
 //! only when something has happened.
 
-use super::input::{Action, action, motion, shift};
+use super::input::{Action, action_of_key, is_shift_pressed, motion_of_keys};
 use super::panel;
 use super::script::Script;
 use super::setup::ViewerSetup;
@@ -104,7 +104,7 @@ impl ApplicationHandler<()> for App {
             WindowEvent::KeyboardInput { event, is_synthetic, .. }
                 if takes_input && !(is_synthetic && event.state == ElementState::Pressed) =>
             {
-                self.key(events, &event);
+                self.handle_key(events, &event);
             }
             // All keys count as released, since a release in another window would not be reported.
             WindowEvent::Focused(false) => self.keys.clear(),
@@ -143,7 +143,7 @@ impl App {
         let wake = Arc::new(move || {
             let _ = proxy.send_event(());
         });
-        let viewer = setup.viewer(&self.gpu, swapchain.screen_format(), wake)?;
+        let viewer = setup.build_viewer(&self.gpu, swapchain.screen_format(), wake)?;
         let egui = egui_winit::State::new(
             viewer.egui().clone(),
             egui::ViewportId::ROOT,
@@ -172,8 +172,8 @@ impl App {
         input.screen_rect =
             Some(egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(points(extent[0]), points(extent[1]))));
         // A scripted run puts the camera on its path, if it has one, and has each frame rendered anew.
-        self.script.begin(viewer);
-        let motion = motion(&self.keys);
+        self.script.prepare_frame(viewer);
+        let motion = motion_of_keys(&self.keys);
         let ViewerOutput { platform, again } = viewer.update(ViewerInput { egui: input, motion, seconds, extent })?;
         open.egui.handle_platform_output(&open.window, platform);
         let shown = viewer.draw(|context, screen, record| {
@@ -187,7 +187,7 @@ impl App {
         self.last = goes_on.then_some(now);
         if shown && self.script.is_running() {
             // Counts the frame. After the last one, the run ends when image and comparison with a reference are final.
-            self.script.end(viewer, &self.gpu, goes_on || viewer.is_waiting())?;
+            self.script.finish_frame(viewer, &self.gpu, goes_on || viewer.is_waiting())?;
             if self.script.is_done() {
                 events.exit();
                 return Ok(());
@@ -203,7 +203,7 @@ impl App {
     }
 
     /// Handles a key that is pressed or released.
-    fn key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) {
+    fn handle_key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) {
         let PhysicalKey::Code(code) = event.physical_key else { return };
         if event.state == ElementState::Released {
             self.keys.remove(&code);
@@ -215,7 +215,7 @@ impl App {
             return;
         }
         self.keys.insert(code);
-        match action(code, shift(&self.keys)) {
+        match action_of_key(code, is_shift_pressed(&self.keys)) {
             Some(Action::Quit) => events.exit(),
             // While a key is held, only changes of the roughness are repeated.
             Some(action) if !event.repeat || matches!(action, Action::Roughness(_)) => viewer.act(action),

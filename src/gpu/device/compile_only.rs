@@ -39,14 +39,14 @@ fn handle<H: Handle>() -> H {
     H::from_raw(NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Declares the functions that replace the driver's, and their look-up by name. The list `made` has pairs that make and
-/// drop handles, `succeeds` calls that return success, `ignored` commands that do nothing, and `own` functions below.
+/// Declares the functions that replace the driver's, and their look-up by name. The list `made` has pairs that make and drop
+/// handles, `succeeds` calls that return success, `ignored` commands that do nothing, and `written` functions of this file.
 macro_rules! replacements {
     (
         made { $( $create:ident $create_name:literal $Info:ty, $destroy:ident $destroy_name:literal $Handle:ty; )* }
         succeeds { $( $call:ident $call_name:literal ($($argument:ty),*) as $Call:ty; )* }
         ignored { $( $command:ident $command_name:literal ($($value:ty),*) as $Command:ty; )* }
-        own { $( $own:ident $own_name:literal as $Own:ty; )* }
+        written { $( $function:ident $function_name:literal as $Function:ty; )* }
     ) => {
         $(
             unsafe extern "system" fn $create(
@@ -92,7 +92,7 @@ macro_rules! replacements {
                 // SAFETY: the caller casts each function back to its type.
                 $( $command_name => unsafe { std::mem::transmute::<$Command, Void>($command) }, )*
                 // SAFETY: the caller casts each function back to its type.
-                $( $own_name => unsafe { std::mem::transmute::<$Own, Void>($own) }, )*
+                $( $function_name => unsafe { std::mem::transmute::<$Function, Void>($function) }, )*
                 _ => return None,
             };
             Some(found)
@@ -197,7 +197,7 @@ replacements! {
                 *const *const vk::AccelerationStructureBuildRangeInfoKHR
             ) as vk::PFN_vkCmdBuildAccelerationStructuresKHR;
     }
-    own {
+    written {
         create_buffer b"vkCreateBuffer" as vk::PFN_vkCreateBuffer;
         destroy_buffer b"vkDestroyBuffer" as vk::PFN_vkDestroyBuffer;
         get_buffer_memory_requirements b"vkGetBufferMemoryRequirements" as vk::PFN_vkGetBufferMemoryRequirements;
@@ -332,8 +332,8 @@ unsafe extern "system" fn get_acceleration_structure_build_sizes(
 pub struct HostMemory {
     /// Blocks by key. Blocks have words of 16 bytes, so that a block is aligned for any value.
     blocks: HashMap<u64, Box<[u128]>>,
-    /// Number of blocks made so far, which gives each block its key.
-    made: u64,
+    /// The key of the block that was made last; keys count from 1.
+    last_key: u64,
 }
 
 // SAFETY: a block is as large as is asked for, has no second owner until it is freed, and is mapped if the host writes
@@ -346,8 +346,8 @@ unsafe impl DeviceMemory for HostMemory {
         place: MemoryPlace,
         _: bool,
     ) -> Result<MemoryBlock, String> {
-        self.made += 1;
-        let (key, memory) = (self.made, vk::DeviceMemory::from_raw(self.made));
+        self.last_key += 1;
+        let (key, memory) = (self.last_key, vk::DeviceMemory::from_raw(self.last_key));
         if place == MemoryPlace::Device {
             return Ok(MemoryBlock { memory, offset: 0, mapped: None, key });
         }

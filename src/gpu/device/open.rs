@@ -7,25 +7,24 @@ use super::ray_queries::{self, RayQueries};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, text, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::executables::Executables;
-use crate::gpu::memory::Source;
+use crate::gpu::memory::MemorySource;
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::sampler::Samplers;
 use crate::gpu::testing::watch;
 use crate::gpu::validation::{self, ValidationLog};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
-use std::ffi::CStr;
+use std::ffi::{CStr, c_char};
 use std::mem::ManuallyDrop;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, OnceLock};
 
 /// Makes an instance. Returns the loader, the instance, and whether the instance takes names and labels. Under
-/// validation, the layers write messages about the instance into the log, which must outlive the instance. Without a
-/// log, the layers of Vulkan 1.4 print these messages.
+/// validation, the layers write messages about the instance into the log, which must outlive the instance.
 pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Result<(ash::Entry, ash::Instance, bool)> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
     let entry = unsafe { ash::Entry::load() }.map_err(|e| {
-        let advice = short_of_memory().unwrap_or_else(|| "; scripts/setup.sh installs it".to_owned());
+        let advice = memory_advice().unwrap_or_else(|| "; scripts/setup.sh installs it".to_owned());
         Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}){advice}"))
     })?;
     // SAFETY: enumeration has no preconditions.
@@ -70,7 +69,7 @@ pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Resul
     }
     // SAFETY: the names and structures live through the call.
     let instance = unsafe { entry.create_instance(&info, None) }
-        .map_err(|result| no_driver_fits(result).unwrap_or_else(|| no_driver::failed("vkCreateInstance")(result)))?;
+        .map_err(|result| out_of_memory(result).unwrap_or_else(|| no_driver::failed("vkCreateInstance")(result)))?;
     Ok((entry, instance, has_debug))
 }
 
@@ -83,44 +82,45 @@ pub fn memory_limit() -> Option<u64> {
 }
 
 /// Returns the end of a sentence, which says that memory may be short; `None` if the system sets no limit.
-fn short_of_memory() -> Option<String> {
+fn memory_advice() -> Option<String> {
     let mib = memory_limit()? >> 20;
     Some(format!(
         ": memory is short, as this process may take {mib} MiB (ulimit -v); raise the limit, or install a driver"
     ))
 }
 
-/// Makes the error about a driver or device that was not found, if the memory limit of this process may be the reason:
-/// the loader leaves out a driver that needs more memory, or the driver starts and finds no device.
-fn no_driver_fits(result: vk::Result) -> Option<Error> {
+/// Makes the error about a driver or device that was not found, if the memory limit of this process may be the reason.
+/// Under such a limit, the loader leaves out a driver that needs more memory, or the driver starts and finds no device.
+fn out_of_memory(result: vk::Result) -> Option<Error> {
     use vk::Result as R;
     let causes = [R::ERROR_INCOMPATIBLE_DRIVER, R::ERROR_OUT_OF_HOST_MEMORY, R::ERROR_INITIALIZATION_FAILED];
-    let short = short_of_memory().filter(|_| causes.contains(&result))?;
-    Some(Error::NoDevice(format!("the loader finds no driver that fits{short}")))
+    let advice = memory_advice().filter(|_| causes.contains(&result))?;
+    Some(Error::NoDevice(format!("the loader finds no driver that fits{advice}")))
 }
 
 /// Lists every device of an instance, and why one cannot be used. With `compiles_only`, a device needs no memory.
-pub(super) fn list(instance: &ash::Instance, compiles_only: bool) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
+pub(super) fn list_devices(
+    instance: &ash::Instance,
+    compiles_only: bool,
+) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
     // SAFETY: the instance is alive.
-    let physical = unsafe { instance.enumerate_physical_devices() }.map_err(|result| {
-        no_driver_fits(result).unwrap_or_else(|| no_driver::failed("vkEnumeratePhysicalDevices")(result))
+    let devices = unsafe { instance.enumerate_physical_devices() }.map_err(|result| {
+        out_of_memory(result).unwrap_or_else(|| no_driver::failed("vkEnumeratePhysicalDevices")(result))
     })?;
-    if physical.is_empty() {
+    if devices.is_empty() {
         let nothing = vk::Result::ERROR_INITIALIZATION_FAILED;
-        return Err(no_driver_fits(nothing).unwrap_or_else(|| no_driver::no_device(nothing)));
+        return Err(out_of_memory(nothing).unwrap_or_else(|| no_driver::no_device(nothing)));
     }
-    Ok(physical
-        .into_iter()
-        .enumerate()
-        .map(|(index, p)| {
-            let unsuitable = unsuitable(instance, p).or_else(|| has_no_memory(instance, p).filter(|_| !compiles_only));
-            (p, DeviceListing { index, info: describe(instance, p), unsuitable })
-        })
-        .collect())
+    let listing = |(index, physical): (usize, vk::PhysicalDevice)| {
+        let absent_hardware = || absent_hardware(instance, physical).filter(|_| !compiles_only);
+        let unsuitable = why_unsuitable(instance, physical).or_else(absent_hardware);
+        (physical, DeviceListing { index, info: describe(instance, physical), unsuitable })
+    };
+    Ok(devices.into_iter().enumerate().map(listing).collect())
 }
 
 /// Returns the sentence that a device has no memory, because its hardware is absent; `None` if it has memory.
-fn has_no_memory(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+fn absent_hardware(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
     let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
     (memory.memory_type_count == 0)
@@ -152,7 +152,7 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInf
 }
 
 /// Returns the reason why a device cannot be used; `None` if it can.
-fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+fn why_unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
     let (properties, families) = unsafe {
         (
@@ -178,7 +178,6 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     }
 }
 
-/// Whether the queues of a family take both graphics and compute commands.
 fn has_graphics_and_compute(family: &vk::QueueFamilyProperties) -> bool {
     family.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE)
 }
@@ -228,15 +227,13 @@ pub(super) fn open_device(
 ) -> Result<Shared> {
     // On an early return the messenger must go before the instance.
     let mut debug = DebugGuard(debug);
-    let (physical, listing) = choose(list(&instance, query.compiles_only)?, query)?;
+    let (physical, listing) = choose(list_devices(&instance, query.compiles_only)?, query)?;
     let instance = if query.compiles_only { compile_only::instance(&instance) } else { instance };
     // SAFETY: the physical device belongs to the instance.
-    let (properties, families, supported, extensions) = unsafe {
+    let (properties, families) = unsafe {
         (
             instance.get_physical_device_properties(physical),
             instance.get_physical_device_queue_family_properties(physical),
-            instance.get_physical_device_features(physical),
-            instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
         )
     };
     let (queue_family, family) = families
@@ -244,60 +241,30 @@ pub(super) fn open_device(
         .enumerate()
         .find(|(_, f)| has_graphics_and_compute(f))
         .ok_or_else(|| Error::NoDevice("no universal queue".into()))?;
-
-    let mut names = Vec::new();
-    let offers = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
-    if !query.instance_extensions.is_empty() {
-        if !offers(ash::khr::swapchain::NAME) {
-            return Err(Error::NoDevice(format!("{} cannot present to a window", listing.info.name)));
-        }
-        names.push(ash::khr::swapchain::NAME.as_ptr());
-    }
-    let name = &listing.info.name;
-    let has_queries = ray_queries::find(&instance, physical, offers)
-        .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"));
-    if has_queries.is_ok() {
-        names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));
-    }
-    if query.compiles_only {
-        if !offers(Executables::EXTENSION) {
-            let lacked = Executables::EXTENSION.to_string_lossy();
-            return Err(Error::NoDevice(format!("{name} does not tell what its compiler made: it lacks {lacked}")));
-        }
-        names.push(Executables::EXTENSION.as_ptr());
-    }
+    let (extension_names, ray_query_support) = extensions(&instance, physical, &listing.info.name, query)?;
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
-    let mut features = vk::PhysicalDeviceFeatures::default()
-        .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
-        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE && !query.isotropic)
-        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
-        // Shaders of users store to images without naming the images' formats, as OpenGL allows.
-        .shader_storage_image_write_without_format(supported.shader_storage_image_write_without_format == vk::TRUE)
-        .shader_storage_image_read_without_format(supported.shader_storage_image_read_without_format == vk::TRUE)
-        .shader_image_gather_extended(supported.shader_image_gather_extended == vk::TRUE);
     let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
-    enable_features(&mut features, &mut v12, &mut v13);
-    features.large_points = supported.large_points;
-    features.geometry_shader = supported.geometry_shader;
+    let features = core_features(&instance, physical, query, (&mut v12, &mut v13));
     // The features stand in the pNext chain: with pEnabledFeatures, the layers of 1.4.309 report that the supported features were
     // never queried, even if they were (KhronosGroup/Vulkan-ValidationLayers issue 9900).
     let mut core = vk::PhysicalDeviceFeatures2::default().features(features);
-    v12.buffer_device_address = has_queries.is_ok().into();
+    v12.buffer_device_address = ray_query_support.is_ok().into();
     let (mut structures, mut queries) = ray_queries::features();
     let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
-        .enabled_extension_names(&names)
+        .enabled_extension_names(&extension_names)
         .push_next(&mut core)
         .push_next(&mut v12)
         .push_next(&mut v13);
-    if has_queries.is_ok() {
+    if ray_query_support.is_ok() {
         info = info.push_next(&mut structures).push_next(&mut queries);
     }
-    let mut stats = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let mut statistics =
+        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
     if query.compiles_only {
-        info = info.push_next(&mut stats);
+        info = info.push_next(&mut statistics);
     }
     // SAFETY: the structures live through the call; features and extensions were found supported.
     let mut device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
@@ -308,27 +275,24 @@ pub(super) fn open_device(
     }
 
     let memory = if query.compiles_only {
-        Ok(Source::ForeignGBuffer(Mutex::new(Box::new(HostMemory::default()))))
+        Ok(MemorySource::Callers(Mutex::new(Box::new(HostMemory::default()))))
     } else {
-        own_memory(&instance, physical, &device, has_queries.is_ok())
+        new_allocator(&instance, physical, &device, ray_query_support.is_ok())
     };
-    let parts = memory.and_then(|memory| {
+    let memory_and_samplers = memory.and_then(|memory| {
         Ok((memory, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
     });
-    let (memory, samplers) = match parts {
-        Ok(parts) => parts,
-        Err(e) => {
-            // SAFETY: nothing else was created from the device.
-            unsafe { device.destroy_device(None) };
-            return Err(e);
-        }
-    };
+    if memory_and_samplers.is_err() {
+        // SAFETY: nothing else was created from the device.
+        unsafe { device.destroy_device(None) };
+    }
+    let (memory, samplers) = memory_and_samplers?;
     let debug = debug.0.take();
     // A device that is used only to compile has no real objects, so that there are no handles to name.
     let names_objects = debug.is_some() && !query.compiles_only;
     Ok(Shared {
         executables: query.compiles_only.then(|| Executables::new(&instance, &device)),
-        ray_queries: has_queries.map(|()| RayQueries::load(&instance, physical, &device)),
+        ray_queries: ray_query_support.map(|()| RayQueries::load(&instance, physical, &device)),
         debug_device: names_objects.then(|| ash::ext::debug_utils::Device::new(&instance, &device)),
         queue: Some(Mutex::new(queue)),
         entry,
@@ -355,11 +319,67 @@ pub(super) fn open_device(
     })
 }
 
+/// Returns the names of the extensions that a device called `name` gets, and whether ray queries are among them; if
+/// not, a sentence says why. Fails if the device lacks an extension that the query needs.
+fn extensions(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    name: &str,
+    query: &DeviceQuery,
+) -> Result<(Vec<*const c_char>, std::result::Result<(), String>)> {
+    // SAFETY: the physical device belongs to the instance.
+    let offered = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
+    let offers = |name: &CStr| offered.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+    let mut names = Vec::new();
+    if !query.instance_extensions.is_empty() {
+        if !offers(ash::khr::swapchain::NAME) {
+            return Err(Error::NoDevice(format!("{name} cannot present to a window")));
+        }
+        names.push(ash::khr::swapchain::NAME.as_ptr());
+    }
+    let ray_query_support = ray_queries::find(instance, physical, offers)
+        .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"));
+    if ray_query_support.is_ok() {
+        names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));
+    }
+    if query.compiles_only {
+        if !offers(Executables::EXTENSION) {
+            let lacked = Executables::EXTENSION.to_string_lossy();
+            return Err(Error::NoDevice(format!("{name} does not tell what its compiler made: it lacks {lacked}")));
+        }
+        names.push(Executables::EXTENSION.as_ptr());
+    }
+    Ok((names, ray_query_support))
+}
+
+/// Returns the features of Vulkan 1.0 that a device gets, and turns on those of later versions that this crate needs.
+fn core_features(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    query: &DeviceQuery,
+    (v12, v13): (&mut vk::PhysicalDeviceVulkan12Features<'_>, &mut vk::PhysicalDeviceVulkan13Features<'_>),
+) -> vk::PhysicalDeviceFeatures {
+    // SAFETY: the physical device belongs to the instance.
+    let supported = unsafe { instance.get_physical_device_features(physical) };
+    let mut features = vk::PhysicalDeviceFeatures::default()
+        .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
+        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE && !query.isotropic)
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
+        // Shaders of users store to images without naming the images' formats, as OpenGL allows.
+        .shader_storage_image_write_without_format(supported.shader_storage_image_write_without_format == vk::TRUE)
+        .shader_storage_image_read_without_format(supported.shader_storage_image_read_without_format == vk::TRUE)
+        .shader_image_gather_extended(supported.shader_image_gather_extended == vk::TRUE);
+    enable_features(&mut features, v12, v13);
+    features.large_points = supported.large_points;
+    features.geometry_shader = supported.geometry_shader;
+    features
+}
+
 /// Wraps a caller's device, with the state that its handles share.
 ///
 /// # Safety
-/// The contract is that of [`Gpu::of_others`](super::Gpu::of_others).
-pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
+/// The contract is that of [`Gpu::from_handles`](super::Gpu::from_handles).
+pub(super) unsafe fn from_handles(device: DeviceHandles) -> Result<Shared> {
     let DeviceHandles { entry, instance, physical, device, queue_family, enabled, debug_utils, memory } = device;
     // SAFETY: by the contract, the physical device belongs to the instance.
     let (properties, families) = unsafe {
@@ -375,9 +395,9 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     }
     // The loader knows the version that the instance was made for, and hands out no later functions.
     // SAFETY: by the contract, the device is alive and of this instance.
-    let later =
+    let function_of_1_3 =
         unsafe { (instance.fp_v1_0().get_device_proc_addr)(device.handle(), c"vkCmdPipelineBarrier2".as_ptr()) };
-    if later.is_none() {
+    if function_of_1_3.is_none() {
         let why = "the instance was not made for Vulkan 1.3 (VkApplicationInfo::apiVersion)";
         return Err(refused(why.into()));
     }
@@ -392,8 +412,8 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     let features = &enabled.core;
     let samplers = Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?;
     let memory = match memory {
-        Some(allocator) => Source::ForeignGBuffer(Mutex::new(allocator)),
-        None => match own_memory(&instance, physical, &device, false) {
+        Some(allocator) => MemorySource::Callers(Mutex::new(allocator)),
+        None => match new_allocator(&instance, physical, &device, false) {
             Ok(memory) => memory,
             Err(e) => {
                 // SAFETY: nothing uses the samplers yet.
@@ -440,12 +460,12 @@ fn timestamp_mask(family: &vk::QueueFamilyProperties) -> u64 {
 }
 
 /// Makes the crate's own allocator; `has_addresses` says whether buffers may have device addresses.
-fn own_memory(
+fn new_allocator(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     device: &ash::Device,
     has_addresses: bool,
-) -> Result<Source> {
+) -> Result<MemorySource> {
     let allocator = Allocator::new(&AllocatorCreateDesc {
         instance: instance.clone(),
         device: device.clone(),
@@ -455,7 +475,7 @@ fn own_memory(
         allocation_sizes: gpu_allocator::AllocationSizes::default(),
     })
     .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })?;
-    Ok(Source::Ours(Box::new(Mutex::new(allocator))))
+    Ok(MemorySource::Ours(Box::new(Mutex::new(allocator))))
 }
 
 /// A guard that destroys the messenger that it holds when the guard is dropped.

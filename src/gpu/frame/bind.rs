@@ -18,7 +18,7 @@ impl<'a> ProgramInputs<'a> {
     ///
     /// # Errors
     /// [`Error::Usage`] if a field that the shader needs is `None`.
-    pub fn to<P: Program>(shader: &Shader, program: &'a P) -> Result<Self> {
+    pub fn from_program<P: Program>(shader: &Shader, program: &'a P) -> Result<Self> {
         let resource = |binding: &Binding| {
             let found = program.resource(binding.name).map(|resource| (*binding, resource));
             found.ok_or_else(|| Error::Usage(format!("{}: nothing is given for {}", shader.name, binding.name)))
@@ -31,8 +31,8 @@ impl<'a> ProgramInputs<'a> {
     }
 
     /// Adds the fields of the vertex program. Bindings and push constants that both programs have stay the first one's.
-    pub fn and<P: Program>(mut self, vertex: &'a P) -> Result<Self> {
-        let other = ProgramInputs::to(P::SHADER, vertex)?;
+    pub fn with_vertex_program<P: Program>(mut self, vertex: &'a P) -> Result<Self> {
+        let other = ProgramInputs::from_program(P::SHADER, vertex)?;
         for (binding, resource) in other.resources {
             if self.resources.iter().all(|(known, _)| known.binding != binding.binding) {
                 self.resources.push((binding, resource));
@@ -50,7 +50,7 @@ impl Frame<'_> {
     }
 
     /// Binds the resources of a draw or dispatch in a new descriptor set, and pushes its constants.
-    pub(super) fn push(
+    pub(super) fn bind_inputs(
         &mut self,
         layout: &Layout,
         point: vk::PipelineBindPoint,
@@ -130,7 +130,7 @@ impl Frame<'_> {
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
             }
-            // `push` itself adds the images of an array, the view of texels, and the handle of a ray structure.
+            // `bind_inputs` itself adds the images of an array, the view of texels, and the handle of a ray structure.
             Resource::SampledArray(..) | Resource::Texels(..) | Resource::Rays(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);

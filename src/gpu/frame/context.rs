@@ -17,7 +17,7 @@ pub struct FrameContext {
     /// The command buffer that is recorded into.
     pub(super) commands: vk::CommandBuffer,
     /// The crate's own command buffer; `None` if a caller records frames into command buffers of its own.
-    pub(super) own: Option<OwnCommands>,
+    pub(super) own_commands: Option<OwnCommands>,
     pub(super) slots: Vec<Slot>,
     /// The slot of the frame that is recorded.
     pub(super) slot: usize,
@@ -105,9 +105,9 @@ impl Drop for OwnCommands {
 impl FrameContext {
     /// Makes a context for frames that this crate submits and waits for, one at a time.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let mut context = Self::in_others(gpu, 1)?;
+        let mut context = Self::for_caller(gpu, 1)?;
         context.statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
-        context.own = Some(OwnCommands::new(gpu)?);
+        context.own_commands = Some(OwnCommands::new(gpu)?);
         Ok(context)
     }
 
@@ -115,14 +115,14 @@ impl FrameContext {
     ///
     /// # Errors
     /// [`Error::Usage`] for 0 slots.
-    pub fn in_others(gpu: &Gpu, slots: usize) -> Result<Self> {
+    pub fn for_caller(gpu: &Gpu, slots: usize) -> Result<Self> {
         if slots == 0 {
             return Err(Error::Usage("no frame can be under way: frames_in_flight is 0".into()));
         }
         Ok(Self {
             gpu: gpu.clone(),
             commands: vk::CommandBuffer::null(),
-            own: None,
+            own_commands: None,
             slots: (0..slots).map(|_| Slot::new(gpu)).collect::<Result<_>>()?,
             slot: 0,
             statistics: None,
@@ -152,7 +152,7 @@ impl FrameContext {
     /// [`Error::Usage`] if the context records into a caller's command buffers.
     pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
         let device = self.gpu.raw();
-        let Some(own) = &self.own else {
+        let Some(own) = &self.own_commands else {
             return Err(Error::Usage("these frames are recorded into the caller's command buffers".into()));
         };
         self.commands = own.commands;
@@ -203,7 +203,7 @@ impl FrameContext {
                 }
             }
         }
-        Frame::begun(self, mode)
+        Frame::new(self, mode)
     }
 
     /// The times of the last frame of a slot, once the device is done; empty unless the mode was [`Mode::Timed`].

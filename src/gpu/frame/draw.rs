@@ -30,7 +30,7 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         let targets = (targets.as_ref(), None);
-        let inputs = ProgramInputs::to(pipeline.fragment, program)?;
+        let inputs = ProgramInputs::from_program(pipeline.fragment, program)?;
         self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
@@ -43,7 +43,7 @@ impl Frame<'_> {
         program: &F,
     ) -> Result<()> {
         let targets = (&[][..], Some(Target::unmarked(stencil)));
-        let inputs = ProgramInputs::to(pipeline.fragment, program)?;
+        let inputs = ProgramInputs::from_program(pipeline.fragment, program)?;
         self.shade(name, &pipeline.graphics, targets, &inputs, Vertices::Triangle)
     }
 
@@ -57,7 +57,7 @@ impl Frame<'_> {
         (fragment, vertex): (&F, &V),
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        let inputs = ProgramInputs::to(pipeline.fragment, fragment)?.and(vertex)?;
+        let inputs = ProgramInputs::from_program(pipeline.fragment, fragment)?.with_vertex_program(vertex)?;
         let vertices = Vertices::Indirect(arguments, offset);
         self.shade(name, &pipeline.graphics, (targets.as_ref(), None), &inputs, vertices)
     }
@@ -72,7 +72,7 @@ impl Frame<'_> {
         vertices: Vertices,
     ) -> Result<()> {
         if let Vertices::Indirect(arguments, offset) = vertices {
-            assert_holds(name, (arguments, offset), u64::from(INDIRECT_BYTES));
+            assert_holds(name, (arguments, offset), u64::from(DRAW_ARGUMENT_BYTES));
         }
         self.note_program(name, pipeline);
         self.pass(name, |frame| {
@@ -91,14 +91,14 @@ impl Frame<'_> {
                     // SAFETY: a pipeline is bound, and what it reads was pushed.
                     unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
                 }
-                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
+                frame.bind_inputs(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
                 let (device, commands) = (frame.device(), frame.context.commands);
                 // SAFETY: a pipeline and everything it reads are bound; the indirect arguments lie in their buffer, as was checked.
                 unsafe {
                     match vertices {
                         Vertices::Triangle => device.cmd_draw(commands, 3, 1, 0, 0),
                         Vertices::Indirect(arguments, offset) => {
-                            device.cmd_draw_indirect(commands, arguments.handle(), offset, 1, INDIRECT_BYTES);
+                            device.cmd_draw_indirect(commands, arguments.handle(), offset, 1, DRAW_ARGUMENT_BYTES);
                         }
                     }
                 }
@@ -134,7 +134,7 @@ impl Frame<'_> {
         threads: [u32; 3],
     ) -> Result<()> {
         let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.compute.local_size[i]));
-        let inputs = ProgramInputs::to(pipeline.shader, program)?;
+        let inputs = ProgramInputs::from_program(pipeline.shader, program)?;
         self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Counted([x, y, z]))
     }
 
@@ -146,7 +146,7 @@ impl Frame<'_> {
         program: &P,
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        let inputs = ProgramInputs::to(pipeline.shader, program)?;
+        let inputs = ProgramInputs::from_program(pipeline.shader, program)?;
         self.dispatch(name, &pipeline.compute, &inputs, Workgroups::Indirect(arguments, offset))
     }
 
@@ -169,7 +169,7 @@ impl Frame<'_> {
             }
             frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, inputs)?;
+            frame.bind_inputs(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, inputs)?;
             frame.settle_compute(pipeline); // a workaround for a bug of lavapipe
             let (device, commands) = (frame.device(), frame.context.commands);
             // SAFETY: a pipeline and everything it reads are bound; the indirect arguments lie in their buffer, as was checked.
@@ -208,8 +208,12 @@ impl Frame<'_> {
         dispatch_size: DispatchSize,
     ) -> Result<()> {
         let inputs = ProgramInputs { resources: bindings.iter().copied().zip(resources).collect(), push };
+        let local_size = pipeline.local_size;
         let workgroups = match dispatch_size {
-            DispatchSize::Threads(counts) | DispatchSize::Workgroups(counts) => Workgroups::Counted(counts),
+            DispatchSize::Threads(threads) => {
+                Workgroups::Counted([0, 1, 2].map(|i| threads[i].div_ceil(local_size[i].max(1))))
+            }
+            DispatchSize::Workgroups(counts) => Workgroups::Counted(counts),
             DispatchSize::Indirect(buffer) => Workgroups::Indirect(buffer, 0),
         };
         self.dispatch(name, pipeline, &inputs, workgroups)
@@ -252,7 +256,7 @@ fn assert_holds(name: &str, (arguments, offset): (&Buffer, u64), bytes: u64) {
     assert!(holds, "{name}: no arguments at byte {offset} of {}", arguments.size());
 }
 
-const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
+const DRAW_ARGUMENT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 
 /// Records the draws of [`Frame::raster`].
 pub struct Raster<'f, 'c, F, V> {
@@ -274,12 +278,13 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         fragment: &impl Fragment<Kind = F::Kind>,
         vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
-        let (pipeline, inputs) = (self.pipeline, ProgramInputs::to(self.fragment, fragment)?.and(vertex)?);
+        let pipeline = self.pipeline;
+        let inputs = ProgramInputs::from_program(self.fragment, fragment)?.with_vertex_program(vertex)?;
         if !self.is_bound {
             self.frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
             self.is_bound = true;
         }
-        self.frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, &inputs)
+        self.frame.bind_inputs(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, &inputs)
     }
 
     /// Draws indexed triangles as one instance, whose number (`gl_InstanceIndex`) is `instance`.

@@ -39,7 +39,7 @@ impl Frame<'_> {
         let [width, height] = targets.iter().find_map(Target::slice).map_or([1, 1], |slice| slice.extent());
         let [x, y, _] = pipeline.pipeline.local_size;
         let groups = Workgroups::Counted([width.div_ceil(x), height.div_ceil(y), 1]);
-        self.dispatch(name, &pipeline.pipeline, &stored(name, pipeline, targets, program)?, groups)
+        self.dispatch(name, &pipeline.pipeline, &inputs_with_targets(name, pipeline, targets, program)?, groups)
     }
 
     /// Does the same as [`Self::store`], with as many workgroups as three words of a buffer say, from byte `offset` on.
@@ -51,20 +51,20 @@ impl Frame<'_> {
         program: &F,
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        let inputs = stored(name, pipeline, targets.as_ref(), program)?;
+        let inputs = inputs_with_targets(name, pipeline, targets.as_ref(), program)?;
         self.dispatch(name, &pipeline.pipeline, &inputs, Workgroups::Indirect(arguments, offset))
     }
 }
 
 /// Returns the inputs of a program: the resources that it reads, and the images of its targets, to which it stores.
-fn stored<'a, F: InEitherStage>(
+fn inputs_with_targets<'a, F: InEitherStage>(
     name: &str,
     pipeline: &'a StoringPipeline<F>,
     targets: &[Target<'a>],
     program: &'a F,
 ) -> Result<ProgramInputs<'a>> {
     let shader = pipeline.permutation.shader;
-    let mut inputs = ProgramInputs::to(shader, program)?;
+    let mut inputs = ProgramInputs::from_program(shader, program)?;
     for ((target, (binding, _)), unwanted) in targets.iter().zip(shader.stored).zip(pipeline.unwanted.iter()) {
         let image = match (target.slice(), unwanted) {
             (Some(slice), _) => slice.stored(),

@@ -8,11 +8,10 @@ use crate::gpu::limits::MAX_DESCRIPTORS;
 use crate::gpu::shader::BindingKind;
 use ash::vk;
 
-/// Number of sets in a pool.
-const SETS: usize = 64;
+const SETS_PER_POOL: usize = 64;
 
 /// Descriptors of each kind in a pool, enough for its sets.
-const DESCRIPTORS: u32 = MAX_DESCRIPTORS * SETS as u32;
+const DESCRIPTORS_PER_POOL: u32 = MAX_DESCRIPTORS * SETS_PER_POOL as u32;
 
 /// The descriptor sets of one frame at a time.
 pub(in crate::gpu::frame) struct DescriptorSets {
@@ -44,11 +43,11 @@ impl DescriptorSets {
 
     /// Takes a set of a layout, which belongs to this frame until [`Self::reset`].
     pub fn take(&mut self, layout: vk::DescriptorSetLayout, name: &str) -> Result<vk::DescriptorSet> {
-        if self.taken == SETS * self.pools.len() {
-            self.pools.push(self.pool()?);
+        if self.taken == SETS_PER_POOL * self.pools.len() {
+            self.pools.push(self.new_pool()?);
         }
         let layouts = [layout];
-        let pool = self.pools[self.taken / SETS];
+        let pool = self.pools[self.taken / SETS_PER_POOL];
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         // SAFETY: pool and layout are alive.
         let sets = unsafe { self.gpu.raw().allocate_descriptor_sets(&info) }
@@ -57,17 +56,18 @@ impl DescriptorSets {
         Ok(sets[0])
     }
 
-    /// Makes a pool with room for [`SETS`] sets.
-    fn pool(&self) -> Result<vk::DescriptorPool> {
+    /// Makes a pool with room for [`SETS_PER_POOL`] sets.
+    fn new_pool(&self) -> Result<vk::DescriptorPool> {
         use BindingKind as K;
-        let pool_size = |kind: K| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS };
+        let pool_size =
+            |kind: K| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS_PER_POOL };
         let mut sizes = [K::SampledImage, K::StorageImage, K::StorageTexels, K::UniformBuffer, K::StorageBuffer]
             .map(pool_size)
             .to_vec();
         // A set binds one structure at most.
-        let rays = vk::DescriptorPoolSize { descriptor_count: SETS as u32, ..pool_size(K::RayStructure) };
+        let rays = vk::DescriptorPoolSize { descriptor_count: SETS_PER_POOL as u32, ..pool_size(K::RayStructure) };
         sizes.extend(self.gpu.has_ray_queries().then_some(rays));
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS as u32).pool_sizes(&sizes);
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS_PER_POOL as u32).pool_sizes(&sizes);
         // SAFETY: the create info lives through the call; destroyed in `drop`.
         unsafe { self.gpu.raw().create_descriptor_pool(&info, None) }.map_err(vulkan("vkCreateDescriptorPool"))
     }

@@ -224,19 +224,9 @@ impl Frame<'_> {
         })
     }
 
-    /// Copies one buffer into another, and makes the second one ready for a use.
+    /// Copies one buffer into another, as far as both reach, and makes the second one ready for a use.
     pub fn copy_buffer(&mut self, name: &str, from: &Buffer, to: &Buffer, access: Access) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_buffer(from, Access::TransferRead);
-            frame.use_buffer(to, Access::TransferWrite);
-            frame.flush();
-            let region = vk::BufferCopy::default().size(from.size().min(to.size()));
-            // SAFETY: both buffers hold the region.
-            unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &[region]) };
-            frame.use_buffer(to, access);
-            frame.flush();
-            Ok(())
-        })
+        self.copy_parts(name, (from, to), &[[0, 0, from.size().min(to.size())]], access)
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Uniforms {
 impl Uniforms {
     /// Makes one chunk, which is empty.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { gpu: gpu.clone(), chunks: vec![chunk(gpu, CHUNK_BYTES)?], current: 0, used: 0 })
+        Ok(Self { gpu: gpu.clone(), chunks: vec![new_chunk(gpu, CHUNK_BYTES)?], current: 0, used: 0 })
     }
 
     /// Forgets every block. Call this function only while no submission that reads a block is under way.
@@ -43,7 +43,7 @@ impl Uniforms {
             (self.current, offset) = (self.current + 1, 0);
         }
         if self.current == self.chunks.len() {
-            self.chunks.push(chunk(&self.gpu, size.max(CHUNK_BYTES))?);
+            self.chunks.push(new_chunk(&self.gpu, size.max(CHUNK_BYTES))?);
         }
         self.used = offset + size;
         let chunk = &mut self.chunks[self.current];
@@ -52,7 +52,7 @@ impl Uniforms {
     }
 }
 
-fn chunk(gpu: &Gpu, size: u64) -> Result<Buffer> {
+fn new_chunk(gpu: &Gpu, size: u64) -> Result<Buffer> {
     Buffer::new(gpu, "frame uniforms", size, vk::BufferUsageFlags::UNIFORM_BUFFER, MemoryPlace::Upload)
 }
 

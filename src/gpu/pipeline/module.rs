@@ -17,7 +17,7 @@ impl Module {
         #[cfg(feature = "reload")]
         let replaced = match gpu.shared().replaced_shaders.get(shader.name) {
             Some(code) => Some(code),
-            None => crate::gpu::sources::code(shader)?,
+            None => crate::gpu::sources::code_from_folder(shader)?,
         };
         #[cfg(not(feature = "reload"))]
         let replaced: Option<std::sync::Arc<[u8]>> = None;

@@ -73,11 +73,13 @@ pub struct Watch {
 impl Watch {
     /// Sets the call that is to fail, if any. Counting begins at 1 again, and a lost device works again.
     pub fn arm(&self, fault: Option<Fault>) {
-        let call_number = |f: fn(Fault) -> Option<u64>| fault.and_then(f).unwrap_or(0);
+        let (allocation, submission) = match fault {
+            None => (0, 0),
+            Some(Fault::Allocation(n)) => (n, 0),
+            Some(Fault::Submission(n)) => (0, n),
+        };
         self.allocations.store(0, Ordering::SeqCst);
         self.submissions.store(0, Ordering::SeqCst);
-        let allocation = call_number(|f| if let Fault::Allocation(n) = f { Some(n) } else { None });
-        let submission = call_number(|f| if let Fault::Submission(n) = f { Some(n) } else { None });
         self.failing_allocation.store(allocation, Ordering::SeqCst);
         self.failing_submission.store(submission, Ordering::SeqCst);
         self.lost.store(false, Ordering::SeqCst);
@@ -115,15 +117,15 @@ impl Watch {
     }
 
     /// Counts the objects that a call made, and returns the call's result.
-    fn made(&self, kind: &str, count: u32, result: vk::Result) -> vk::Result {
+    fn count_made(&self, kind: &str, count: u32, result: vk::Result) -> vk::Result {
         if result == vk::Result::SUCCESS {
-            self.add(kind, i64::from(count));
+            self.add_living(kind, i64::from(count));
         }
         result
     }
 
     /// Adds to the number of living objects of a kind, if it is one of [`KINDS`].
-    fn add(&self, kind: &str, count: i64) {
+    fn add_living(&self, kind: &str, count: i64) {
         if let Some(n) = KINDS.iter().position(|k| *k == kind) {
             self.live[n].fetch_add(count, Ordering::SeqCst);
         }
@@ -166,9 +168,9 @@ mod tests {
         let watch = Watch::default();
         for kind in KINDS {
             for result in [vk::Result::SUCCESS, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
-                assert_eq!(watch.made(kind, 2, result), result);
+                assert_eq!(watch.count_made(kind, 2, result), result);
             }
-            watch.add(kind, -1);
+            watch.add_living(kind, -1);
             assert_eq!(watch.live()[kind], 1);
         }
     }

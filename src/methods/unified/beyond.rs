@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::gpu::Frame;
 use crate::passes::follow::{FollowInput, FollowPass};
 use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass};
-use crate::passes::unified_gloss::BetweenPasses;
+use crate::passes::unified_gloss::GlossImages;
 use crate::passes::{Canvas, GBuffer, Hits};
 
 /// The passes that follow the rays on the list of lost rays.
@@ -21,7 +21,7 @@ pub(super) enum BeyondInput<'a> {
 
 impl BeyondPass {
     /// Records the pass that follows the mirror rays on the list and finishes their pixels.
-    pub(super) fn mirrors(
+    pub(super) fn record_mirrors(
         &self,
         frame: &mut Frame,
         input: &BeyondInput,
@@ -39,8 +39,8 @@ impl BeyondPass {
     }
 
     /// Records the pass that follows the rays of narrow lobes and writes into their records what they see.
-    pub(super) fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
-        let images = [&between.records, &between.ends];
+    pub(super) fn record_narrow(&self, frame: &mut Frame, input: &BeyondInput, gloss: &GlossImages) -> Result<()> {
+        let images = [&gloss.records, &gloss.ends];
         match (self, input) {
             (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, images),
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_narrow(frame, *input, images),
@@ -49,8 +49,8 @@ impl BeyondPass {
     }
 
     /// Records the pass that follows the rays of cells with wide lobes and writes where they end and what they see.
-    pub(super) fn wide(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
-        let images = [&between.place, &between.seen, &between.ends];
+    pub(super) fn record_wide(&self, frame: &mut Frame, input: &BeyondInput, gloss: &GlossImages) -> Result<()> {
+        let images = [&gloss.place, &gloss.seen, &gloss.ends];
         match (self, input) {
             (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_wide(frame, *input, images),
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_wide(frame, *input, images),

@@ -12,7 +12,7 @@ impl SceneData {
     /// Sets the builder of the trees over the scene's triangles. The tree of standing meshes is built when an effect
     /// first follows rays among triangles, and when a mesh moves for the first time; the tree of moving meshes, after
     /// each move. Without a builder no effect can follow such rays.
-    pub fn build_trees_by(&mut self, trees: impl BuildTrees + 'static) {
+    pub fn set_tree_builder(&mut self, trees: impl BuildTrees + 'static) {
         self.trees = Some(Box::new(trees));
         self.triangle_geometry.take();
         self.ray_structure.take();
@@ -38,8 +38,8 @@ impl SceneData {
         self.prepare_trees(context, trees.as_ref())?;
         if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
             // The structure is built from the triangles on the device, so that moved triangles are copied there first.
-            context.once(|frame| geometry.bring(frame))?;
-            let structure = geometry.structure(context)?;
+            context.once(|frame| geometry.copy_moving(frame))?;
+            let structure = geometry.build_structure(context)?;
             self.ray_structure.get_or_init(|| structure);
         }
         if self.triangle_images.get().is_none() {
@@ -49,10 +49,10 @@ impl SceneData {
         }
         Ok(self.triangles().map(|(geometry, images)| {
             let reading = geometry.reading(images, self.lights.len() as u32);
-            let as_texels = |possible: bool| possible && !self.triangles_as_blocks;
+            let allows_texels = !self.triangles_as_blocks;
             TriangleReading {
-                geometry_texels: as_texels(reading.geometry_texels),
-                image_texels: as_texels(reading.image_texels),
+                geometry_texels: reading.geometry_texels && allows_texels,
+                image_texels: reading.image_texels && allows_texels,
                 queries,
                 ..reading
             }
@@ -63,7 +63,7 @@ impl SceneData {
     fn prepare_trees(&self, context: &mut FrameContext, trees: &dyn BuildTrees) -> Result<()> {
         let placement = |name: &str| self.meshes.iter().find(|mesh| mesh.name == name).map(|mesh| mesh.placement);
         let placed: Vec<(&str, Placement)> =
-            self.moving.iter().map(|name| (name.as_str(), placement(name).unwrap_or_default())).collect();
+            self.moving_names.iter().map(|name| (name.as_str(), placement(name).unwrap_or_default())).collect();
         match self.triangle_geometry.get() {
             None => {
                 let names: Vec<&str> = placed.iter().map(|(name, _)| *name).collect();
@@ -87,12 +87,12 @@ impl SceneData {
     ///
     /// # Errors
     /// Errors of the device.
-    pub fn bring_moving(&self, frame: &mut Frame) -> Result<()> {
+    pub fn copy_moving(&self, frame: &mut Frame) -> Result<()> {
         let Some(geometry) = self.triangle_geometry.get() else { return Ok(()) };
         if let Some(ms) = self.moving_ms.take() {
-            frame.on_host("moving/tree", ms);
+            frame.note_host_work("moving/tree", ms);
         }
-        geometry.bring(frame)
+        geometry.copy_moving(frame)
     }
 
     /// The triangles that [`Self::prepare_triangles`] made ready; `None` before that, and after a mesh's first move.

@@ -1,6 +1,6 @@
 //! Textures of a scene with their mip levels, and the table of its materials, as programs among triangles read them.
 
-use super::{TEXEL_BYTES, TEXELS, texel_buffer, uploaded};
+use super::{TEXEL_BYTES, TEXELS, texel_buffer, upload_vectors};
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
@@ -26,19 +26,19 @@ pub(in crate::passes) struct Map {
     /// Width in the lower half, and height in the upper half.
     size: u32,
     /// The number of levels in the bits `MAP_LEVELS`, and the bit `MAP_SRGB`.
-    described: u32,
+    levels_and_encoding: u32,
 }
 
 impl Map {
     /// Describes an image; `place` is the index of the first of the words that say where its levels begin.
     fn new(place: u32, [width, height]: [u32; 2], levels: u32, encoding: Encoding) -> Self {
         let srgb = if encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
-        Self { place, size: width | height << 16, described: levels | srgb }
+        Self { place, size: width | height << 16, levels_and_encoding: levels | srgb }
     }
 }
 
 /// The image that stands for a map that a material lacks: one white texel, at the beginning of all words.
-const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
+const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, levels_and_encoding: 1 };
 
 /// The words of [`WHITE`]: the index of the word where its one level begins, and then the one texel.
 const WHITE_WORDS: [u32; 2] = [1, u32::MAX];
@@ -48,7 +48,7 @@ pub struct TriangleTable(pub(in crate::passes) TexelBuffer);
 
 /// The layout of all images as words: first the words of [`WHITE`], then where each level begins, then the texels.
 struct Layout {
-    /// The words before the texels.
+    /// All words that stand before the texels: those of [`WHITE`], and where each level begins.
     words: Vec<u32>,
     maps: Vec<Map>,
     /// Where the texels end.
@@ -129,7 +129,7 @@ impl TriangleImages {
     /// # Errors
     /// Errors of [`Self::new`].
     pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
-        Ok(TriangleTable(uploaded(context, "materials", &self.rows(materials))?))
+        Ok(TriangleTable(upload_vectors(context, "materials", &self.rows(materials))?))
     }
 
     /// Returns the rows of the table: three vectors for each material (`Material` in `triangles/scene.glsl`).
@@ -140,7 +140,7 @@ impl TriangleImages {
             let properties = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
             let bits = properties.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
             let maps = [(albedo, ALBEDO_SHIFT), (normal, NORMAL_SHIFT), (mask, MASK_SHIFT)];
-            let bits = maps.into_iter().fold(bits, |all, (map, shift)| all | map.described << shift);
+            let bits = maps.into_iter().fold(bits, |all, (map, shift)| all | map.levels_and_encoding << shift);
             let deviation = if m.normal_map.is_some() { m.normal_deviation } else { 0.0 };
             let [r, g, b] = m.albedo.to_array();
             [

@@ -5,7 +5,7 @@ use super::{pages, root};
 use ssct::methods::{METHODS, MethodInfo};
 use ssct_docs::pages::{definitions, outside_code, quotations};
 use ssct_docs::records::{Row, read};
-use ssct_docs::scenes::{lacks, of_row};
+use ssct_docs::scenes::{lacks, scene_of_row};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
         let text = |field: &str| row.get(field).map(String::as_str);
         let Some(method) = text("method") else { continue };
         let quoted = all.entry(method.to_owned()).or_default();
-        quoted.scenes.extend(of_row(text("scene"), text("case")).map(str::to_owned));
+        quoted.scenes.extend(scene_of_row(text("scene"), text("case")).map(str::to_owned));
         quoted.black.extend(text("black").and_then(|share| share.parse::<f64>().ok()));
     }
     all

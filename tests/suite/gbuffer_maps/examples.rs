@@ -217,7 +217,8 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
     write_png(&folder.path("GBufferC.png"), SIZE, |_| [0.5; 3]);
     let data = map.read(&folder.path("SceneColor.exr")).unwrap();
     // A component is rounded to ten bits and then to a 16-bit float from ½ to 1, and the map doubles it: its error is
-    // one step of either. A direction is off by √3 times that, and by twice that once it is normalised.
+    // the sum of one step of each. Three components together are off by √3 times this error, and normalising them may
+    // double the result.
     let normal_bound = 2.0 * 3_f64.sqrt() * (1.0 / 1023.0 + 1.0 / 2048.0);
     lies_on(&data, &seen, |v| DVec3::new(v.y, v.z, v.x) * 0.01, ball, 3e-6, normal_bound);
     let grey = ((128.0 / 255.0 + 0.055_f64) / 1.055).powf(2.4);

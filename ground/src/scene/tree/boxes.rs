@@ -13,7 +13,7 @@ use obvhs::{Boundable, BvhBuildParams};
 const PADDING: f32 = 4e-6;
 
 /// The most triangles of a leaf, for which compressed nodes have room.
-pub const LEAF: u32 = 3;
+pub const MAX_LEAF_TRIANGLES: u32 = 3;
 
 /// A triangle's enlarged box.
 pub struct PaddedBox(pub Aabb);
@@ -38,10 +38,8 @@ pub struct PaddedTriangles {
 impl PaddedTriangles {
     /// Makes the boxes of triangles with corners in metres.
     pub fn new(count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
-        let all = || (0..count).flat_map(&corners);
-        let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
-        let middle = 0.5 * (low + high);
-        Self::around(middle, (high - middle).max_element(), count, corners)
+        let (middle, extent) = middle_and_extent(|| (0..count).flat_map(&corners));
+        Self::around(middle, extent, count, corners)
     }
 
     /// Makes the boxes of triangles of a larger scene; `extent` is the scene's greatest coordinate from its `middle`.
@@ -58,6 +56,13 @@ impl PaddedTriangles {
         let boxes = with_area.iter().map(padded).collect();
         Self { middle, with_area, boxes }
     }
+}
+
+/// Returns the middle of the bounds of some points, and how far the bounds reach from it along an axis; zeros for no points.
+pub fn middle_and_extent<Points: Iterator<Item = DVec3>>(points: impl Fn() -> Points) -> (DVec3, f64) {
+    let [low, high] = [points().reduce(DVec3::min), points().reduce(DVec3::max)].map(Option::unwrap_or_default);
+    let middle = 0.5 * (low + high);
+    (middle, (high - middle).max_element())
 }
 
 /// Builds a binary hierarchy of any number of levels by PLOC, which merges near boxes, and reinsertion.

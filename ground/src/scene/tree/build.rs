@@ -3,9 +3,9 @@
 //! Many triangles in one place make a hierarchy with more levels than a walk has room for. Such a hierarchy is built again by
 //! halving lists of triangles, which bounds its levels.
 
-use super::boxes::{LEAF, PaddedBox, PaddedTriangles, build_ploc, levels};
+use super::boxes::{MAX_LEAF_TRIANGLES, PaddedBox, PaddedTriangles, build_ploc, levels, middle_and_extent};
 use super::{
-    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words, most_levels, triangles,
+    BuildTrees, MAX_TRIANGLES, MovingTriangles, NODE_VECTORS, Tree, TriangleRecords, Words, most_levels, triangles,
 };
 use crate::error::{Error, Result};
 use crate::scene::{Mesh, Placement, Scene};
@@ -37,12 +37,12 @@ impl Tree {
         if with_area.is_empty() {
             return Self { origin, ..Self::default() };
         }
-        let mut wide = bvh2_to_cwbvh(&build_ploc(&boxes), LEAF, true, false);
+        let mut wide = bvh2_to_cwbvh(&build_ploc(&boxes), MAX_LEAF_TRIANGLES, true, false);
         if levels(&wide) > most_levels(with_area.len()) {
             wide = build_balanced(&boxes);
         }
         let words: &[Words] = bytemuck::cast_slice(&wide.nodes);
-        debug_assert_eq!(words.len(), NODE_WORDS * wide.nodes.len());
+        debug_assert_eq!(words.len(), NODE_VECTORS * wide.nodes.len());
         let slots = wide.primitive_indices.iter().map(|i| with_area[*i as usize]).collect();
         Self { origin, nodes: words.to_vec(), slots, levels: levels(&wide) }
     }
@@ -64,14 +64,13 @@ impl Trees {
         let Scene { name, meshes, materials, .. } = scene;
         let scene =
             Scene { name: name.clone(), meshes: meshes.clone(), materials: materials.clone(), ..Scene::default() };
-        let all = || triangles(&scene).flat_map(|(mesh, triangle)| corners_of(mesh, triangle));
-        let [low, high] = [all().reduce(DVec3::min), all().reduce(DVec3::max)].map(Option::unwrap_or_default);
-        let middle = 0.5 * (low + high);
-        Self { middle, extent: (high - middle).max_element(), scene }
+        let corners = || triangles(&scene).flat_map(|(mesh, triangle)| corners_of(mesh, triangle));
+        let (middle, extent) = middle_and_extent(corners);
+        Self { middle, extent, scene }
     }
 
     /// Builds the tree over the triangles of a list. The tree's slots are indices into the list.
-    fn over(&self, list: &[[DVec3; 3]]) -> Tree {
+    fn build_tree(&self, list: &[[DVec3; 3]]) -> Tree {
         let extent = list.iter().flatten().map(|p| (*p - self.middle).abs().max_element()).fold(self.extent, f64::max);
         Tree::of_boxes(PaddedTriangles::around(self.middle, extent, list.len(), |i| list[i]))
     }
@@ -80,10 +79,10 @@ impl Trees {
 impl BuildTrees for Trees {
     fn standing(&self, moving: &[&str]) -> Result<(Tree, TriangleRecords)> {
         check_count(&self.scene)?;
-        let stands = |(_, (mesh, _)): &(u32, (&Mesh, [u32; 3]))| !moving.contains(&mesh.name.as_str());
-        let numbered = (0..).zip(triangles(&self.scene)).filter(stands);
+        let is_standing = |(_, (mesh, _)): &(u32, (&Mesh, [u32; 3]))| !moving.contains(&mesh.name.as_str());
+        let numbered = (0..).zip(triangles(&self.scene)).filter(is_standing);
         let (numbers, list): (Vec<u32>, Vec<_>) = numbered.map(|(n, (mesh, t))| (n, corners_of(mesh, t))).unzip();
-        let mut tree = self.over(&list);
+        let mut tree = self.build_tree(&list);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
         let records = TriangleRecords::new(&self.scene, &tree);
         Ok((tree, records))
@@ -104,7 +103,7 @@ impl BuildTrees for Trees {
             first = end;
         }
         let list: Vec<_> = triangles(&part).map(|(mesh, triangle)| corners_of(mesh, triangle)).collect();
-        let mut tree = self.over(&list);
+        let mut tree = self.build_tree(&list);
         let mut records = TriangleRecords::new(&part, &tree);
         records.renumber(&numbers);
         tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
@@ -117,7 +116,6 @@ fn corners_of(mesh: &Mesh, triangle: [u32; 3]) -> [DVec3; 3] {
     triangle.map(|i| Vec3::from(mesh.vertices[i as usize].position).as_dvec3())
 }
 
-/// Refuses a scene with more triangles than [`MAX_TRIANGLES`].
 fn check_count(scene: &Scene) -> Result<()> {
     let count = scene.triangle_count();
     if count > MAX_TRIANGLES {
@@ -166,7 +164,7 @@ fn build_balanced(padded: &[PaddedBox]) -> CwBvh {
     }
     let [binary, counted] = nodes.map(|nodes| Bvh2 { nodes, primitive_indices: indices.clone(), ..Bvh2::default() });
     let mut by_counts = Bvh2Converter::new(&counted, false, false);
-    by_counts.calculate_cost(LEAF);
+    by_counts.calculate_cost(MAX_LEAF_TRIANGLES);
     let mut converter = Bvh2Converter::new(&binary, true, false);
     converter.decisions = by_counts.decisions; // which boxes share a node
     converter.convert_to_cwbvh();

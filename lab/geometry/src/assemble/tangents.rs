@@ -8,15 +8,15 @@ use glam::Vec3;
 /// all 0 get arbitrary tangents.
 pub(super) fn generate(triangles: &mut [Triangle]) {
     if triangles.iter().flatten().any(|v| v.uv != [0.0; 2]) {
-        // A failure, whose reason the call does not give, leaves the tangents unchanged, and `settle` makes them valid.
+        // A failure, whose reason the call does not give, leaves the tangents unchanged. They are made valid below.
         generate_tangents(&mut Triangles(triangles)).unwrap_or_default();
     }
-    settle(triangles);
+    make_orthonormal(triangles);
 }
 
 /// Makes tangents unit vectors orthogonal to the normals, with a sign of 1 or −1. A vertex without a usable tangent,
 /// for example because its texture coordinates are degenerate, gets any unit vector orthogonal to its normal.
-pub(super) fn settle(triangles: &mut [Triangle]) {
+pub(super) fn make_orthonormal(triangles: &mut [Triangle]) {
     for vertex in triangles.iter_mut().flatten() {
         let normal = Vec3::from(vertex.normal);
         let [x, y, z, sign] = vertex.tangent;

@@ -33,7 +33,7 @@ fn grain(frequency: [i32; 2], octaves: u32, seed: u32) -> Grain {
 
 /// Makes noise like [`grain`], with a seed that depends on the texture coordinates, so that each tile or plank has
 /// noise of its own. Noise is computed at once for a run of texels with the same seed in one row.
-fn grains(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grain {
+fn grain_with_seeds(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grain {
     let seeds: Vec<u32> = (0..SIZE * SIZE).map(|k| seed(Texel::new(k, [SIZE, SIZE]).uv)).collect();
     let mut image = Vec::with_capacity(seeds.len());
     for (row, seeds) in seeds.chunks_exact(SIDE).enumerate() {
@@ -95,16 +95,16 @@ pub fn tiles(size_m: f32, look: &'static TileLook) -> Design {
         let shift = if look.staggered && row.rem_euclid(2.0) == 1.0 { 0.5 } else { 0.0 };
         uv * look.count as f32 + Vec2::new(shift, 0.0)
     };
-    let id = |in_tiles: Vec2| in_tiles.floor().as_ivec2().rem_euclid(IVec2::splat(look.count));
+    let tile_id = |in_tiles: Vec2| in_tiles.floor().as_ivec2().rem_euclid(IVec2::splat(look.count));
     let by_tile = |frequency, octaves, seed: u32, step: i32| {
-        let tile = |uv| id(in_tiles(uv));
-        grains(frequency, octaves, |uv| seed + (tile(uv).x * step + tile(uv).y) as u32)
+        let tile = |uv| tile_id(in_tiles(uv));
+        grain_with_seeds(frequency, octaves, |uv| seed + (tile(uv).x * step + tile(uv).y) as u32)
     };
     let [veining, cloudiness] = [by_tile([5, 5], 5, 43, 7), by_tile([9, 9], 4, 45, 5)];
     let specks = grain([96, 96], 2, 47);
     Box::new(move |texel| {
         let in_tiles = in_tiles(texel.uv);
-        let (id, inside) = (id(in_tiles), in_tiles - in_tiles.floor());
+        let (id, inside) = (tile_id(in_tiles), in_tiles - in_tiles.floor());
         // The distance to the edge of the tile, in metres.
         let edge = (0.5 - (inside - 0.5).abs()).min_element() * size_m / look.count as f32;
         let face = smoothstep(0.003, 0.012, edge);
@@ -153,14 +153,15 @@ pub fn bricks(size_m: f32) -> Design {
 pub fn wood(size_m: f32, tone: Vec3) -> Design {
     let planks = 10;
     let in_planks = move |uv: Vec2| uv.y * planks as f32;
-    let id = move |in_planks: f32| (in_planks.floor() as i32).rem_euclid(planks);
-    let by_plank =
-        |frequency, octaves, seed: u32| grains(frequency, octaves, |uv| seed + 97 * id(in_planks(uv)) as u32);
+    let plank_id = move |in_planks: f32| (in_planks.floor() as i32).rem_euclid(planks);
+    let by_plank = |frequency, octaves, seed: u32| {
+        grain_with_seeds(frequency, octaves, |uv| seed + 97 * plank_id(in_planks(uv)) as u32)
+    };
     let [bending, streakiness] = [by_plank([3, 10], 3, 89), by_plank([6, 150], 2, 96)];
     Box::new(move |texel| {
         let uv = texel.uv;
         let in_planks = in_planks(uv);
-        let id = IVec2::new(0, id(in_planks));
+        let id = IVec2::new(0, plank_id(in_planks));
         let joint = uv.x - unit(id, 101);
         let to_joint = (joint - joint.round()).abs() * size_m;
         let across = in_planks - in_planks.floor();
@@ -282,13 +283,13 @@ pub fn asphalt() -> Design {
 /// in the joints and 1 on a square.
 pub fn marble(size_m: f32) -> Design {
     // The column and row of a square.
-    let id = |uv: Vec2| (uv * 4.0).floor().as_ivec2().rem_euclid(IVec2::splat(4));
-    let bending = grains([8, 8], 4, |uv| 191 + (3 * id(uv).x + 5 * id(uv).y) as u32);
+    let square_id = |uv: Vec2| (uv * 4.0).floor().as_ivec2().rem_euclid(IVec2::splat(4));
+    let bending = grain_with_seeds([8, 8], 4, |uv| 191 + (3 * square_id(uv).x + 5 * square_id(uv).y) as u32);
     let cloudiness = grain([12, 12], 4, 193);
     Box::new(move |texel| {
         let uv = texel.uv;
         let scaled = uv * 4.0;
-        let (id, inside) = (id(uv), scaled - scaled.floor());
+        let (id, inside) = (square_id(uv), scaled - scaled.floor());
         let edge = (0.5 - (inside - 0.5).abs()).min_element() * size_m / 4.0;
         let face = smoothstep(0.0012, 0.004, edge);
         let bend = bending(texel) - 0.5;

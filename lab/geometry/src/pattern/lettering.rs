@@ -40,18 +40,21 @@ impl Text {
         letters
             .map(|(index, letter)| (point - step * index as f32, letter))
             .filter(|(place, _)| place.cmpgt(-GAP).all() && place.cmplt(LETTER + GAP).all())
-            .flat_map(|(place, letter)| strokes(letter).iter().map(move |stroke| to_stroke(place, stroke)))
+            .flat_map(|(place, letter)| strokes(letter).iter().map(move |stroke| distance_to_stroke(place, stroke)))
             .fold(f32::INFINITY, f32::min)
     }
 }
 
 /// Returns the distance from a point to a stroke, in units of the grid.
-fn to_stroke(point: Vec2, stroke: Stroke) -> f32 {
-    stroke.windows(2).map(|ends| to_segment(point, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
+fn distance_to_stroke(point: Vec2, stroke: Stroke) -> f32 {
+    stroke
+        .windows(2)
+        .map(|ends| distance_to_segment(point, ends[0].into(), ends[1].into()))
+        .fold(f32::INFINITY, f32::min)
 }
 
 /// Returns the distance from a point to the line segment from `a` to `b`.
-pub fn to_segment(point: Vec2, a: Vec2, b: Vec2) -> f32 {
+pub fn distance_to_segment(point: Vec2, a: Vec2, b: Vec2) -> f32 {
     let along = ((point - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
     point.distance(a.lerp(b, along))
 }

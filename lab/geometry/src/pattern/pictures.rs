@@ -1,7 +1,7 @@
 //! Images that cover a surface once, from edge to edge: signs, paintings, panes and stained glass. No image is
 //! symmetric, so that a mirrored reflection is noticed.
 
-use super::lettering::{Text, to_segment};
+use super::lettering::{Text, distance_to_segment};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use ssct_ground::math::atan2;
 use ssct_ground::math::noise::{cell, fractal, smoothstep, unit};
@@ -232,7 +232,7 @@ fn ship(uv: Vec2) -> Vec3 {
     colour = paint_over(
         colour,
         Vec3::new(0.22, 0.10, 0.05),
-        0.008 - to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)),
+        0.008 - distance_to_segment(uv, Vec2::new(0.5, 0.14), Vec2::new(0.5, 0.7)),
     );
     let sail = Vec3::new(0.95, 0.90, 0.78);
     colour = paint_over(colour, sail, polygon(uv, &[(0.49, 0.16), (0.485, 0.60), (0.24, 0.60)]));
@@ -279,10 +279,14 @@ fn portrait(uv: Vec2) -> Vec3 {
     for x in [0.39, 0.53] {
         colour = paint_over(colour, Vec3::splat(0.9), ellipse(uv, Vec2::new(x, 0.41), Vec2::new(0.04, 0.018)));
         colour = paint_over(colour, dark, ellipse(uv, Vec2::new(x - 0.014, 0.41), Vec2::new(0.016, 0.018)));
-        colour =
-            paint_over(colour, hair, 0.008 - to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)));
+        colour = paint_over(
+            colour,
+            hair,
+            0.008 - distance_to_segment(uv, Vec2::new(x - 0.05, 0.375), Vec2::new(x + 0.04, 0.365)),
+        );
     }
-    colour = paint_over(colour, skin * 0.65, 0.008 - to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
+    colour =
+        paint_over(colour, skin * 0.65, 0.008 - distance_to_segment(uv, Vec2::new(0.45, 0.41), Vec2::new(0.415, 0.50)));
     paint_over(colour, Vec3::new(0.62, 0.14, 0.12), ellipse(uv, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
 }
 
@@ -374,7 +378,7 @@ fn lancet(uv: Vec2, design: u32) -> Vec4 {
     colour = paint_over(colour, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
     // The figure holds a staff in one hand, so that its left and right differ.
     let (head, foot) = (Vec2::new(0.52, 1.1), Vec2::new(0.42, 3.5));
-    colour = paint_over(colour, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
+    colour = paint_over(colour, Vec3::new(1.0, 0.85, 0.35), 0.035 - distance_to_segment(p, head, foot));
     colour = paint_over(colour, lead, 0.012 - (p.y - 3.55).abs());
     let stone = Vec3::new(0.42, 0.38, 0.31);
     paint_over(colour, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))

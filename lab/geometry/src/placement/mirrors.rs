@@ -23,7 +23,7 @@ const PITCH_SINE: f64 = 0.65;
 /// the screen.
 const ON_SCREEN_COSINE: f64 = 0.7;
 /// Least reflectivity that the search assumes of a surface, since views and users change materials.
-const DULL: f64 = 0.3;
+const LEAST_REFLECTIVITY: f64 = 0.3;
 /// The seed of all random numbers of the paths.
 const SEED: u64 = 0x6361_7074;
 
@@ -50,7 +50,7 @@ pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
         .into_par_iter()
         .filter_map(|index| {
             let random = Stream::new(SEED, index);
-            path(triangles, stand(random.uniform(0)).eye, &random)
+            end_of_path(triangles, stand(random.uniform(0)).eye, &random)
         })
         .collect();
     ends.truncate(ENDS);
@@ -59,7 +59,7 @@ pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
 
 /// Returns the end of one random path from an eye. The result is `None` if the ray of the eye hits nothing, if a random
 /// number exceeds the surface's reflectivity, if the mirror ray escapes, or if the screen shows the end.
-fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd> {
+fn end_of_path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd> {
     // A random direction between the greatest pitches, in any compass direction.
     let y = PITCH_SINE * (2.0 * random.uniform(1) - 1.0);
     let (sine, cosine) = (std::f64::consts::TAU * random.uniform(2)).sin_cos();
@@ -67,7 +67,7 @@ fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd>
     let direction = DVec3::new(horizontal * cosine, y, horizontal * sine);
     let ray = WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY };
     let first = triangles.closest(&ray)?;
-    if random.uniform(3) >= f64::from(triangles.surface(&first).0.reflectivity).max(DULL) {
+    if random.uniform(3) >= f64::from(triangles.surface(&first).0.reflectivity).max(LEAST_REFLECTIVITY) {
         return None;
     }
     let mirrored = direction.reflect(front(triangles.corners(&first))).normalize();
@@ -75,6 +75,6 @@ fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd>
     let last = triangles.closest(&ray)?;
     let position = ray.point_at(last.t);
     let is_off_screen = (position - eye).normalize_or_zero().dot(direction) < ON_SCREEN_COSINE;
-    let hidden = is_off_screen || !sees(triangles, eye, position);
-    hidden.then(|| MirrorEnd { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })
+    let is_beyond_screen = is_off_screen || !sees(triangles, eye, position);
+    is_beyond_screen.then(|| MirrorEnd { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })
 }

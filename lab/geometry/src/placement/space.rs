@@ -23,7 +23,7 @@ const HEAD_ROOM_M: f64 = 1.9;
 /// something in a mirror. Smaller people fit a scene with other units than metres.
 pub const SIZES: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
 /// Least vertical part of a floor's unit normal.
-const LEVEL: f64 = 0.7;
+const LEAST_UPWARD: f64 = 0.7;
 /// Number of vertical lines along which floors are searched for.
 const COLUMNS: u64 = 16384;
 /// Greatest number of surfaces that are looked at along one vertical line.
@@ -40,7 +40,7 @@ const FREE_M: f64 = 0.1;
 /// Least enclosure of a place, relative to the enclosure that the best tenth of all places reaches. Enclosure is the
 /// share of upward directions that meet a surface. Roofs have a relative enclosure of 0 to 0.4, streets of 0.85, rooms
 /// and arcades of 1.
-const ENCLOSED: f64 = 0.5;
+const LEAST_ENCLOSURE: f64 = 0.5;
 /// How many other places are tested for visibility from each place: nearest neighbours, and random places.
 const NEIGHBOURS: [usize; 2] = [16, 32];
 /// Greatest difference in height between neighbouring places of one floor, in metres, for people of size 1.
@@ -92,10 +92,10 @@ struct Surroundings {
 /// Finds the places where people of a size can stand; empty if the scene has no floor for them.
 pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPlace> {
     let columns: Vec<Vec<StandingPlace>> =
-        (0..COLUMNS).into_par_iter().map(|index| column(triangles, scene, size, index)).collect();
+        (0..COLUMNS).into_par_iter().map(|index| stands_on_line(triangles, scene, size, index)).collect();
     let mut found: Vec<StandingPlace> = columns.into_iter().flatten().collect();
     found.truncate(STANDS);
-    inhabited(triangles, scene, found)
+    keep_habitable(triangles, scene, found)
 }
 
 /// Returns the candidates for captures above places to stand on: at the height of the eyes, and higher if there is
@@ -117,8 +117,8 @@ pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
     let Candidate { position, clearance_m } = *candidate;
     let (low, high) = ((position - clearance_m).as_vec3(), (position + clearance_m).as_vec3());
     triangles.all().par_iter().all(|&[a, b, c]| {
-        let apart = a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any();
-        apart || distance([a, b, c], position) >= clearance_m
+        let is_apart = a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any();
+        is_apart || distance([a, b, c], position) >= clearance_m
     })
 }
 
@@ -149,7 +149,7 @@ pub fn front([a, b, c]: [Vec3; 3]) -> DVec3 {
 /// Finds the places to stand on along one vertical line, from top to bottom; `index` chooses the line. The lines fill
 /// the scene's bounds evenly, since their x and z are the sequence R2 (Roberts 2018, "The Unreasonable Effectiveness of
 /// Quasirandom Sequences").
-fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<StandingPlace> {
+fn stands_on_line(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<StandingPlace> {
     /// The root of x³ = x + 1.
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let bounds = scene.bounds();
@@ -164,7 +164,7 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
         let Some(hit) = triangles.closest(&ray) else { break };
         let floor = ray.point_at(hit.t);
         let height_m = ceiling_y - floor.y;
-        if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEVEL {
+        if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEAST_UPWARD {
             stands.push(StandingPlace { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
         }
         ceiling_y = floor.y;
@@ -177,7 +177,7 @@ fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<St
 ///
 /// A room is a group of places that see each other, directly or through others. A floor is a group of close places of
 /// about the same height that see each other.
-fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
+fn keep_habitable(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
     let mut places: Vec<(StandingPlace, Surroundings)> =
         found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
     places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
@@ -188,22 +188,23 @@ fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) ->
     let mut enclosed: Vec<f64> = places.iter().map(|(_, around)| around.enclosed).collect();
     enclosed.sort_by(f64::total_cmp);
     let typical = enclosed.get(enclosed.len() * 9 / 10).copied().unwrap_or(0.0);
-    places.retain(|(_, around)| around.enclosed >= ENCLOSED * typical);
+    places.retain(|(_, around)| around.enclosed >= LEAST_ENCLOSURE * typical);
 
-    // Pairs of places that see each other: near neighbours, then random pairs.
-    let pairs = sights(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
-    let rooms = joined(places.len(), pairs.iter().flatten().copied());
+    let [near_pairs, random_pairs] =
+        mutually_visible(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
+    let rooms = groups(places.len(), near_pairs.iter().chain(&random_pairs).copied());
     let lit_rooms: Vec<usize> =
         places.iter().zip(&rooms).filter(|((_, around), _)| around.lit).map(|(_, room)| *room).collect();
     let is_level = |i: usize, j: usize| {
-        let size = places[i].0.size;
-        (places[i].0.eye.y - places[j].0.eye.y).abs() < STEP_M * size
+        let ((stand, _), (other, _)) = (&places[i], &places[j]);
+        (stand.eye.y - other.eye.y).abs() < STEP_M * stand.size
     };
-    let floors = joined(places.len(), pairs[0].iter().copied().filter(|&(i, j)| is_level(i, j)));
-    // The number of places of each floor; places are spread evenly over area.
-    let mut area = vec![0.0; places.len()];
-    floors.iter().for_each(|floor| area[*floor] += 1.0);
-    let stands = places.iter().zip(floors).map(|((stand, _), floor)| StandingPlace { weight: area[floor], ..*stand });
+    let floors = groups(places.len(), near_pairs.iter().copied().filter(|&(i, j)| is_level(i, j)));
+    // The places are spread evenly, so that a floor has as many as its area is large.
+    let mut places_of_floor = vec![0.0; places.len()];
+    floors.iter().for_each(|floor| places_of_floor[*floor] += 1.0);
+    let stands =
+        places.iter().zip(floors).map(|((stand, _), floor)| StandingPlace { weight: places_of_floor[floor], ..*stand });
     // If no room is lit, all rooms count.
     stands
         .zip(rooms)
@@ -221,7 +222,7 @@ fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surrounding
         Surroundings { enclosed: 0.0, backs: 0.0, nearest_m: f64::INFINITY, lit: scene.lights.iter().any(shines) };
     // The numbers of directions that hit a surface, and of directions that point upwards.
     let (mut hits, mut upwards) = (0, 0);
-    for direction in (0..DIRECTIONS).map(sphere) {
+    for direction in (0..DIRECTIONS).map(direction) {
         let hit = triangles.closest(&WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY });
         around.lit |= hit.is_none_or(|hit| triangles.surface(&hit).0.surface == Surface::Sky);
         upwards += i32::from(direction.y > 0.0);
@@ -237,7 +238,7 @@ fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surrounding
 }
 
 /// Returns the unit vector number `index` of the [`DIRECTIONS`], which cover the sphere evenly on a Fibonacci spiral.
-fn sphere(index: usize) -> DVec3 {
+fn direction(index: usize) -> DVec3 {
     let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
     let (sine, cosine) = (constants::GOLDEN_ANGLE * index as f64).sin_cos();
     let horizontal = (1.0 - y * y).sqrt();
@@ -246,7 +247,7 @@ fn sphere(index: usize) -> DVec3 {
 
 /// Returns the pairs of eyes that see each other, as indices into `eyes`. The first list has pairs of nearest
 /// neighbours, and the second has random pairs.
-fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
+fn mutually_visible(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
     let [near_count, random_count] = NEIGHBOURS;
     let visible_pairs = |i: usize, others: Vec<usize>| {
         others.into_iter().filter(move |j| sees(triangles, eyes[i], eyes[*j])).map(move |j| (i, j))
@@ -278,7 +279,7 @@ fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
 
 /// Joins `count` things to groups, given `pairs` of things in the same group (union-find). Returns the group of each
 /// thing, named by the least index of its members.
-fn joined(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+fn groups(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     /// Finds the least member of the group of `i` by following parents, and shortens the chain of parents for later
     /// calls.
     fn root(parents: &mut [usize], mut i: usize) -> usize {
@@ -313,15 +314,15 @@ mod tests {
 
     #[test]
     fn pairs_join_groups() {
-        let groups = joined(6, [(0, 3), (3, 5), (2, 1)].into_iter());
+        let groups = groups(6, [(0, 3), (3, 5), (2, 1)].into_iter());
         assert!(groups[0] == groups[3] && groups[0] == groups[5] && groups[1] == groups[2]);
         assert!(groups[0] != groups[1] && groups[4] != groups[0] && groups[4] != groups[1]);
     }
 
     #[test]
     fn directions_fill_the_sphere_evenly() {
-        let sum: DVec3 = (0..DIRECTIONS).map(sphere).sum();
+        let sum: DVec3 = (0..DIRECTIONS).map(direction).sum();
         assert!(sum.length() < 1.0, "{sum}");
-        assert!((0..DIRECTIONS).all(|i| (sphere(i).length() - 1.0).abs() < 1e-12));
+        assert!((0..DIRECTIONS).all(|i| (direction(i).length() - 1.0).abs() < 1e-12));
     }
 }

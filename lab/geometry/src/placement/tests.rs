@@ -98,7 +98,7 @@ fn views_and_threads_have_no_influence() {
 fn auto_stops_where_another_capture_gains_little() {
     // An empty room is completely visible from anywhere in it.
     let placement = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), true)]), WantedCaptures::Auto);
-    assert_eq!((placement.captures.len(), placement.own), (1, 0));
+    assert_eq!((placement.captures.len(), placement.from_file), (1, 0));
     assert!(placement.seen[0] > 0.999, "{:?}", placement.seen);
     let placement = place(&two_rooms(), WantedCaptures::Auto);
     assert!((2..=AUTO_MOST).contains(&placement.captures.len()), "{:?}", placement.seen);
@@ -110,12 +110,12 @@ fn the_captures_of_a_file_come_first() {
     let own = [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::placed_at(Vec3::new(x, 1.0, 3.0)) });
     scene.captures = own.to_vec();
     let auto = place(&scene, WantedCaptures::Auto);
-    assert_eq!((auto.captures.as_slice(), auto.own), (&own[..], 2));
+    assert_eq!((auto.captures.as_slice(), auto.from_file), (&own[..], 2));
     assert!(auto.seen[0] > 0.2 && auto.seen[1] > auto.seen[0]);
     let one = place(&scene, WantedCaptures::Count(1));
-    assert_eq!((one.captures.as_slice(), one.own), (&own[..1], 1));
+    assert_eq!((one.captures.as_slice(), one.from_file), (&own[..1], 1));
     let three = with_captures(&mut scene, WantedCaptures::Count(3));
-    assert_eq!((three.own, three.captures.len(), &three.captures), (2, 3, &scene.captures));
+    assert_eq!((three.from_file, three.captures.len(), &three.captures), (2, 3, &scene.captures));
     assert_eq!((three.captures[2].resolution, three.captures[2].near_m), (64, 0.1), "as the file's first");
 }
 

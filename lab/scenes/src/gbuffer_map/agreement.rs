@@ -32,7 +32,7 @@ const LENS_SAMPLES: usize = 1500;
 
 /// Greatest bend of the depth between a pixel and its neighbours, as a share of the rise. A pixel with a greater bend
 /// is not compared.
-const MOST_BENT: f64 = 0.1;
+const MOST_BEND: f64 = 0.1;
 
 /// A point in the image, in normalised device coordinates, and its view-space z in metres.
 type ImagePoint = (DVec2, f64);
@@ -94,7 +94,7 @@ pub(super) fn view_z(camera: &Camera, reversed: f64) -> f64 {
 /// The pixels in which normals are compared with the slopes of depth, and the lens with which points are computed.
 #[derive(Debug, Clone)]
 pub(super) struct Slopes {
-    opened: LensMapping,
+    lens: LensMapping,
     size: [u32; 2],
     samples: Vec<Sample>,
 }
@@ -119,16 +119,16 @@ impl Slopes {
             let (_, z) = middle;
             let bends = |(_, before): ImagePoint, (_, after): ImagePoint| {
                 let rise = (before - z).abs() + (after - z).abs();
-                (before + after - 2.0 * z).abs() > MOST_BENT * rise + 1e-3 * z
+                (before + after - 2.0 * z).abs() > MOST_BEND * rise + 1e-3 * z
             };
-            let usable = normal.length() > 1e-3 && !bends(left, right) && !bends(up, down);
-            usable.then_some(Sample { middle, left, right, up, down, normal })
+            let is_comparable = normal.length() > 1e-3 && !bends(left, right) && !bends(up, down);
+            is_comparable.then_some(Sample { middle, left, right, up, down, normal })
         };
         let step = ((width * height / MOST_SAMPLES) as f64).sqrt().ceil().max(1.0) as usize;
         let inner = |side: usize| (reach..side.saturating_sub(reach)).step_by(step);
         let samples = inner(height).flat_map(|y| inner(width).map(move |x| (x, y)));
         let samples = samples.filter_map(|(x, y)| sample(x, y)).collect();
-        Self { opened: LensMapping::new(camera), size, samples }
+        Self { lens: LensMapping::new(camera), size, samples }
     }
 
     /// Collects the pixels of `data` that can be compared.
@@ -137,25 +137,25 @@ impl Slopes {
     }
 
     /// Returns the share of the compared pixels that disagree; `None` if too few can be compared.
-    pub(super) fn disagreeing(&self) -> Option<f64> {
+    pub(super) fn share_disagreeing(&self) -> Option<f64> {
         self.share_beyond(TOLERATED_DEGREES)
     }
 
     /// Returns the share of the compared pixels whose normals are unrelated to their slopes; `None` if too few can be
     /// compared.
-    pub(super) fn unrelated(&self) -> Option<f64> {
+    pub(super) fn share_unrelated(&self) -> Option<f64> {
         self.share_beyond(GROSS_DEGREES)
     }
 
     /// Returns the mean angle between normals and slopes in degrees, in which outliers are limited.
     pub(super) fn mean_degrees(&self) -> f64 {
-        mean_degrees(&self.opened, &self.samples)
+        mean_degrees(&self.lens, &self.samples)
     }
 
     /// Returns the share of the compared pixels whose normals and slopes are more than `degrees` apart; `None` for
     /// fewer than [`FEWEST_SAMPLES`] pixels.
     fn share_beyond(&self, degrees: f64) -> Option<f64> {
-        let is_near = |sample: &&Sample| self.opened.degrees_apart(sample) <= degrees;
+        let is_near = |sample: &&Sample| self.lens.degrees_apart(sample) <= degrees;
         let near = self.samples.iter().filter(is_near).count();
         (self.samples.len() >= FEWEST_SAMPLES).then(|| 1.0 - near as f64 / self.samples.len() as f64)
     }
@@ -168,38 +168,38 @@ impl Slopes {
             self.samples.iter().step_by(step).copied().collect()
         };
         let badness = |lens: &LensMapping| mean_degrees(lens, &samples);
-        let same_pixels = search(self.opened, &badness, &[LensChange::Scale]);
-        let other_pixels = search(self.opened, &badness, &[LensChange::Scale, LensChange::Aspect]);
+        let scaled = search_lens(self.lens, &badness, &[LensStep::Scale]);
+        let stretched = search_lens(self.lens, &badness, &[LensStep::Scale, LensStep::Aspect]);
         // A cropped picture is most often one corner of a whole picture. Its shift may be missed by a search that
         // starts without a shift, so that searches start from the four corners, too.
         let shifted = [[0.0, 0.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(|shift| {
-            let start = LensMapping { shift: self.opened.shift + DVec2::from(shift), ..self.opened };
-            search(start, &badness, &[LensChange::Scale, LensChange::ShiftX, LensChange::ShiftY])
+            let start = LensMapping { shift: self.lens.shift + DVec2::from(shift), ..self.lens };
+            search_lens(start, &badness, &[LensStep::Scale, LensStep::ShiftX, LensStep::ShiftY])
         });
-        let mut best = same_pixels;
-        // A lens with more changes is taken only if it halves the mean angle, and if the best lens so far is not right
-        // yet.
-        for other in [other_pixels].into_iter().chain(shifted) {
+        let mut best = scaled;
+        // A lens with steps of more kinds is taken only if it halves the mean angle, and if the best lens so far is not
+        // right yet.
+        for other in [stretched].into_iter().chain(shifted) {
             if badness(&best) > RIGHT_DEGREES && badness(&other) < 0.5 * badness(&best) {
                 best = other;
             }
         }
-        (!samples.is_empty()).then(|| (self.words(camera, &best), Self { opened: best, ..self.clone() }))
+        (!samples.is_empty()).then(|| (self.lens_keys(camera, &best), Self { lens: best, ..self.clone() }))
     }
 
     /// Writes a lens as keys and values of a map. The aspect and the shift are left out if they hardly differ from
     /// those of this comparison's lens.
-    fn words(&self, camera: &Camera, lens: &LensMapping) -> String {
+    fn lens_keys(&self, camera: &Camera, lens: &LensMapping) -> String {
         let mut words = match camera.lens.opening {
             FieldOfView::Height(_) => format!("orthographic-height = {:.3}", 2.0 / lens.scale.y),
             FieldOfView::Angle(_) => format!("fov-y-deg = {:.1}", 2.0 * (1.0 / lens.scale.y).atan().to_degrees()),
         };
         let aspect = lens.scale.y / lens.scale.x;
-        if (aspect / (self.opened.scale.y / self.opened.scale.x) - 1.0).abs() > 0.02 {
+        if (aspect / (self.lens.scale.y / self.lens.scale.x) - 1.0).abs() > 0.02 {
             words += &format!(" and aspect = {aspect:.3}");
         }
-        let moved = lens.shift - self.opened.shift;
-        if moved.abs().max_element() > 0.02 {
+        let shift_change = lens.shift - self.lens.shift;
+        if shift_change.abs().max_element() > 0.02 {
             let [width, height] = self.size.map(f64::from);
             let shift = [0.5 * lens.shift.x * width, -0.5 * lens.shift.y * height];
             words += &format!(" and shift-px = [{:.0}, {:.0}]", shift[0], shift[1]);
@@ -215,18 +215,18 @@ fn mean_degrees(lens: &LensMapping, samples: &[Sample]) -> f64 {
     sum / samples.len().max(1) as f64
 }
 
-/// A change of a lens during a search.
+/// A kind of step in the search for a lens: the number that changes.
 #[derive(Debug, Clone, Copy)]
-enum LensChange {
+enum LensStep {
     Scale,
     Aspect,
     ShiftX,
     ShiftY,
 }
 
-impl LensChange {
-    /// Returns the lens after a step of this change: a step of 1 multiplies a scale by √2, or shifts by half an image.
-    fn by(self, lens: LensMapping, step: f64) -> LensMapping {
+impl LensStep {
+    /// Returns the lens after a step of this kind: a step of 1 multiplies a scale by √2, or shifts by half an image.
+    fn apply(self, lens: LensMapping, step: f64) -> LensMapping {
         let factor = 2.0_f64.powf(0.5 * step);
         let LensMapping { mut scale, mut shift, is_orthographic } = lens;
         match self {
@@ -239,10 +239,10 @@ impl LensChange {
     }
 }
 
-/// Searches for the lens of the least badness, from `start` by steps of the given changes. Each round takes the best of
+/// Searches for the lens of the least badness, from `start` by steps of the given kinds. Each round takes the best of
 /// all combinations of steps, and halves the steps if no combination is better. Combinations are needed since two
-/// changes can compensate each other: each alone raises the badness, and only the two together lower it.
-fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &[LensChange]) -> LensMapping {
+/// steps can compensate each other: each alone raises the badness, and only the two together lower it.
+fn search_lens(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, kinds: &[LensStep]) -> LensMapping {
     /// Greatest number of rounds, far more than a search that converges takes.
     const MOST_ROUNDS: usize = 60;
     /// The search ends when steps are smaller than this.
@@ -253,13 +253,13 @@ fn search(start: LensMapping, badness: &impl Fn(&LensMapping) -> f64, changes: &
         if size < LEAST_STEP {
             break;
         }
-        // Each change takes a step back, no step or a step forward: −1, 0 or 1. A combination is a number in base 3,
-        // with one digit for each change.
-        let combinations = 3_u32.pow(changes.len() as u32);
+        // A step of each kind goes back, stays or goes forward: −1, 0 or 1. A combination is a number in base 3, with
+        // one digit for each kind.
+        let combinations = 3_u32.pow(kinds.len() as u32);
         let step = |combination: u32, place: usize| f64::from(combination / 3_u32.pow(place as u32) % 3) - 1.0;
         let stepped = |combination: u32| {
-            let steps = changes.iter().enumerate();
-            let lens = steps.fold(best, |lens, (place, change)| change.by(lens, size * step(combination, place)));
+            let steps = kinds.iter().enumerate();
+            let lens = steps.fold(best, |lens, (place, kind)| kind.apply(lens, size * step(combination, place)));
             (lens, badness(&lens))
         };
         match (0..combinations).map(stepped).min_by(|(_, a), (_, b)| a.total_cmp(b)) {

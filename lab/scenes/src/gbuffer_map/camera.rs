@@ -80,16 +80,16 @@ struct MapPoints {
 }
 
 /// The keys that give a lens, for errors.
-const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, orthographic-height, orthographic-width, projection, or \
-                      focal-length-mm with sensor-width-mm or sensor-height-mm";
+const LENS_WORDS: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, orthographic-height, orthographic-width, \
+                      projection, or focal-length-mm with sensor-width-mm or sensor-height-mm";
 
 impl MapCamera {
     /// Takes the keys of the section `[camera]`, and checks that they can be given together.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
-        let lens = lens(&mut keys)?;
-        let place = place(&mut keys)?;
-        let one = |keys: &mut MapKeys, key| keys.numbers(key, 1);
-        let [aspect, near, far] = [one(&mut keys, "aspect")?, one(&mut keys, "near")?, one(&mut keys, "far")?];
+        let lens = take_lens(&mut keys)?;
+        let place = take_place(&mut keys)?;
+        let [aspect, near, far] = ["aspect", "near", "far"].map(|key| keys.numbers(key, 1));
+        let [aspect, near, far] = [aspect?, near?, far?];
         let shift_px = keys.numbers("shift-px", 2)?;
         let line = keys.line;
         if !matches!(lens, MapLens::Matrix(_)) {
@@ -112,7 +112,7 @@ impl MapCamera {
 
     /// Returns other readings of the camera, which a map may confuse with the right one, each with its words: the lens
     /// along the other axis, and the matrix of the place as its inverse.
-    pub fn other_ways(&self) -> Vec<(&'static str, Self)> {
+    pub fn other_readings(&self) -> Vec<(&'static str, Self)> {
         let lens = |lens: MapLens| Self { lens, ..self.clone() };
         let place = |place: MapPlace| Self { place, ..self.clone() };
         let other_lens = match self.lens.clone() {
@@ -165,18 +165,18 @@ impl MapCamera {
         };
         let [near, far] = [plane(&self.near, files)?, plane(&self.far, files)?];
         let (camera, coding) = match &self.lens {
-            MapLens::Matrix(matrix) => by_matrix(matrix, [near, far], conventions, depth, files)?,
+            MapLens::Matrix(matrix) => camera_of_matrix(matrix, [near, far], conventions, depth, files)?,
             MapLens::Angle { axis, angle, to_radians } => {
                 let angle = angle.one(files)? * to_radians;
-                self.by_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
+                self.camera_of_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
             }
             MapLens::Focal { axis, length, sensor } => {
                 let angle = 2.0 * (0.5 * sensor.one(files)? / length.one(files)?).atan();
-                self.by_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
+                self.camera_of_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
             }
             MapLens::Extent { axis, extent } => {
                 let extent = extent.one(files)? * conventions.metres;
-                self.by_opening(*axis, MapOpening::Extent(extent), [near, far], files)?
+                self.camera_of_opening(*axis, MapOpening::Extent(extent), [near, far], files)?
             }
         };
         let coding = depth.coding(coding, conventions.metres);
@@ -198,19 +198,20 @@ impl MapCamera {
         Ok((camera, coding))
     }
 
-    /// Makes a camera with an opening `along_axis` of the image (0 is x, 1 is y) and with the near and the far plane
-    /// `planes`, in metres. The camera is in its own view space. Also returns the coding of depth between the planes.
-    fn by_opening(
+    /// Makes a camera that sees `opening` along the axis of the image `axis` (0 is x, 1 is y), with the near and the
+    /// far plane `planes`, in metres. Its world space is its view space. Also returns the coding of depth between the
+    /// planes.
+    fn camera_of_opening(
         &self,
         axis: usize,
-        along_axis: MapOpening,
+        opening: MapOpening,
         planes: [Option<f32>; 2],
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let [width, height] = files.size().map(f64::from);
         let aspect = self.aspect.as_ref().map(|numbers| numbers.one(files)).transpose()?;
         let aspect = aspect.unwrap_or(width * files.pixel_aspect() / height);
-        let opening = match along_axis {
+        let opening = match opening {
             MapOpening::Angle(angle) if axis == 1 => FieldOfView::Angle(angle as f32),
             MapOpening::Angle(angle) => FieldOfView::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
             MapOpening::Extent(extent) => {
@@ -243,12 +244,12 @@ impl MapCamera {
     fn world_to_view(&self, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
         let (numbers, is_inverse) = match &self.place {
             MapPlace::Origin => return Ok(Mat4::IDENTITY),
-            MapPlace::Points(points) => return by_points(points, conventions, files),
+            MapPlace::Points(points) => return matrix_of_points(points, conventions, files),
             MapPlace::WorldToView(numbers) => (numbers, false),
             MapPlace::ViewToWorld(numbers) => (numbers, true),
         };
         let matrix = conventions.matrix(&numbers.get(files)?);
-        rigid(&matrix).map_err(|why| files.error(numbers.line, format!("{} {why}", numbers.key)))?;
+        check_rigid(&matrix).map_err(|why| files.error(numbers.line, format!("{} {why}", numbers.key)))?;
         let matrix = if is_inverse { matrix.inverse() } else { matrix };
         let (view, world) = (DMat4::from_mat3(conventions.view), DMat4::from_mat3(conventions.world));
         let mut ours = view * matrix * world.transpose();
@@ -264,7 +265,7 @@ impl MapCamera {
 
 /// Makes the camera of a matrix from view to clip space. Its planes are those of the matrix, unless `near` or `far`, in
 /// metres, replaces them. Also returns the coding of depth in the files, which is that of the matrix.
-fn by_matrix(
+fn camera_of_matrix(
     matrix: &MapNumbers,
     [near, far]: [Option<f32>; 2],
     conventions: &MapConventions,
@@ -327,7 +328,7 @@ fn by_matrix(
 }
 
 /// Makes the matrix from world to view space of a camera that looks from a point to another point or in a direction.
-fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
+fn matrix_of_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
     let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
         let numbers = numbers.get(files)?;
         Ok([numbers[0], numbers[1], numbers[2]])
@@ -338,8 +339,8 @@ fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFi
     let direction = if *is_point { conventions.place(given) - position } else { conventions.direction(given) };
     let up = up.as_ref().map(|up| three(up, files)).transpose()?.map(|up| conventions.direction(up));
     let forward = direction.normalize_or_zero();
-    let is_along_up = up.is_some_and(|up| forward.cross(up.normalize_or_zero()).length() < 1e-6);
-    if direction.length() < 1e-6 || is_along_up {
+    let looks_along_up = up.is_some_and(|up| forward.cross(up.normalize_or_zero()).length() < 1e-6);
+    if direction.length() < 1e-6 || looks_along_up {
         let message = format!("{} gives no direction of view, or one along up", towards.key);
         return Err(files.error(towards.line, message));
     }
@@ -353,7 +354,7 @@ fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFi
 ///
 /// # Errors
 /// The reason why the matrix is something else, as the end of a sentence.
-fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
+fn check_rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
     if matrix.row(3) != DVec4::W {
         return Err("is no rotation and translation: is it in the other order (matrices of [conventions])?");
     }
@@ -364,8 +365,8 @@ fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
 }
 
 /// Takes the keys of the lens, of which the section must have exactly one, or two for a focal length.
-fn lens(keys: &mut MapKeys) -> Result<MapLens> {
-    const WAYS: [&str; 8] = [
+fn take_lens(keys: &mut MapKeys) -> Result<MapLens> {
+    const LENS_KEYS: [&str; 8] = [
         "fov-y-deg",
         "fov-x-deg",
         "fov-y-rad",
@@ -375,10 +376,10 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
         "focal-length-mm",
         "projection",
     ];
-    let given = WAYS.iter().filter(|way| keys.has(way)).count();
+    let given = LENS_KEYS.iter().filter(|key| keys.has(key)).count();
     if given != 1 {
         let how_many = if given == 0 { "no lens is given" } else { "more than one lens is given" };
-        return Err(keys.error(keys.line, format!("{how_many}: say one of {LENSES}")));
+        return Err(keys.error(keys.line, format!("{how_many}: say one of {LENS_WORDS}")));
     }
     let degrees = 1_f64.to_radians();
     let angles = [("fov-y-deg", 1, degrees), ("fov-x-deg", 0, degrees), ("fov-y-rad", 1, 1.0), ("fov-x-rad", 0, 1.0)];
@@ -408,7 +409,7 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
 }
 
 /// Takes the keys of the camera's place: one matrix, or points and directions, or nothing.
-fn place(keys: &mut MapKeys) -> Result<MapPlace> {
+fn take_place(keys: &mut MapKeys) -> Result<MapPlace> {
     let world_to_view = keys.numbers("world-to-view", 16)?;
     let view_to_world = keys.numbers("view-to-world", 16)?;
     let [eye, look_at, forward, up] = ["eye", "look-at", "forward", "up"].map(|key| keys.numbers(key, 3));

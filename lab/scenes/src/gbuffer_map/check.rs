@@ -7,7 +7,7 @@ use super::agreement::{LensMapping, Slopes, view_z};
 use super::axes::MapConventions;
 use super::files::{MapFiles, OpenFiles};
 use super::keys::MapKeys;
-use super::readings::readings;
+use super::readings::other_readings;
 use super::source::{MapSource, SourceRules};
 use crate::{Camera, GBufferData};
 use glam::{DVec3, Vec3};
@@ -15,17 +15,17 @@ use ssct_ground::Result;
 use std::path::Path;
 
 /// Share of pixels that may disagree without a message, since some do at edges and with normal maps.
-const LITTLE: f64 = 0.05;
+const TOLERATED_DISAGREEMENT: f64 = 0.05;
 
 /// Another reading of the map is believed only if it leaves at most this share of the disagreement.
 const MUCH_BETTER: f64 = 0.5;
 
 /// Share of unrelated normals or wrong positions from which a message is given even if no other reading is better.
-const MOST: f64 = 0.4;
+const ALARMING_SHARE: f64 = 0.4;
 
 /// Greatest distance of a position from the point that depth and camera give for its pixel, as a share of the distance
 /// of that point from the camera. The share exceeds the rounding of 16-bit floats.
-const MOST_OFF: f64 = 0.01;
+const TOLERATED_OFFSET: f64 = 0.01;
 
 /// The channels of a map with the positions of surfaces.
 #[derive(Debug, Clone)]
@@ -45,12 +45,12 @@ impl MapPosition {
     }
 
     /// Returns true if the positions are in world space. They can then be compared only if the camera's place is known.
-    pub fn need_world(&self) -> bool {
+    pub fn are_in_world(&self) -> bool {
         self.is_world
     }
 
     /// Returns the share of the pixels with a surface whose position disagrees with depth and camera.
-    fn off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
+    fn share_off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
         let planes = self.source.read(files)?;
         let lens = LensMapping::new(&frame.camera);
         let to_view = frame.camera.world_to_view.as_dmat4();
@@ -65,7 +65,7 @@ impl MapPosition {
             };
             all += 1;
             // A position that is NaN is not near, so that it counts as wrong.
-            let is_near = expected.distance(stated) <= MOST_OFF * expected.length();
+            let is_near = expected.distance(stated) <= TOLERATED_OFFSET * expected.length();
             wrong += usize::from(!is_near);
         }
         Ok(if all == 0 { 0.0 } else { wrong as f64 / all as f64 })
@@ -97,7 +97,7 @@ impl Disagreement {
     /// Makes the disagreement from a comparison of normals with slopes and from the share of wrong positions, `places`.
     /// If too few pixels can be compared, all normals count as wrong, so that such a reading is never preferred.
     fn new(slopes: &Slopes, places: f64) -> Self {
-        match slopes.disagreeing().zip(slopes.unrelated()) {
+        match slopes.share_disagreeing().zip(slopes.share_unrelated()) {
             Some((share, unrelated)) => Self { slopes: share, unrelated, degrees: slopes.mean_degrees(), places },
             None => Self { slopes: 1.0, unrelated: 1.0, degrees: f64::INFINITY, places },
         }
@@ -105,9 +105,9 @@ impl Disagreement {
 
     /// Returns true if this reading agrees better than another: if fewer positions are wrong or, with equally many, if
     /// the mean angle is smaller.
-    fn is_before(self, other: Self) -> bool {
+    fn agrees_better(self, other: Self) -> bool {
         // Readings that mirror the same axes differ by rounding alone. The factor keeps the first of them.
-        self.places < other.places || self.places == other.places && self.degrees < 0.99 * other.degrees
+        self.places < other.places || (self.places == other.places && self.degrees < 0.99 * other.degrees)
     }
 
     /// Returns the sum of the shares of wrong normals and wrong positions.
@@ -121,7 +121,7 @@ impl Disagreement {
     }
 
     /// Returns the shares in words; that of positions is left out if the map has none.
-    fn words(self, has_places: bool) -> String {
+    fn describe(self, has_places: bool) -> String {
         let percent = |share: f64| format!("{:.0} %", 100.0 * share);
         let slopes = format!("normals disagree with the slopes of the depth in {} of the pixels", percent(self.slopes));
         if !has_places {
@@ -134,28 +134,30 @@ impl Disagreement {
 /// Returns the message about a G-buffer without a map whose normals and depth disagree; `None` if they agree.
 pub fn disagreement(data: &GBufferData) -> Option<String> {
     let slopes = Slopes::of_data(data);
-    let share = slopes.disagreeing()?;
-    if share <= LITTLE {
+    let share = slopes.share_disagreeing()?;
+    if share <= TOLERATED_DISAGREEMENT {
         return None;
     }
-    let own = Disagreement::new(&slopes, 0.0);
+    let stated = Disagreement::new(&slopes, 0.0);
     let lens = slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, 0.0)));
-    describe_disagreement(own, lens, false)
+    message(stated, lens, false)
 }
 
-/// Returns the message about a disagreement, if another reading is much better or more than [`MOST`] is wrong. `best`
-/// is the best other reading, in words, with its own disagreement; `has_places` is true if the map has positions.
-fn describe_disagreement(own: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
-    let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * own.sum();
-    let description = own.words(has_places);
+/// Returns the message about the disagreement `stated` of a map as it stands, if another reading is much better or more
+/// than [`ALARMING_SHARE`] is wrong. `best` is the best other reading, in words, with its disagreement; `has_places` is
+/// true if the map has positions.
+fn message(stated: Disagreement, best: Option<(String, Disagreement)>, has_places: bool) -> Option<String> {
+    let is_better = |other: &Disagreement| other.sum() <= MUCH_BETTER * stated.sum();
+    let description = stated.describe(has_places);
     match best.filter(|(_, other)| is_better(other)) {
-        Some((words, other)) if own.worst() > LITTLE => {
+        Some((words, other)) if stated.worst() > TOLERATED_DISAGREEMENT => {
             Some(format!("{description}; with {words} it would be {:.0} %", 100.0 * other.worst()))
         }
-        _ if own.unrelated.max(own.places) > MOST => {
-            let asked = "is the picture a panorama or a cropped one, or is the lens, the camera's place or the kind of depth wrong?";
+        _ if stated.unrelated.max(stated.places) > ALARMING_SHARE => {
+            let question = "is the picture a panorama or a cropped one, or is the lens, the camera's place or the kind \
+                            of depth wrong?";
             Some(format!(
-                "{description}, and no other reading of lens, axes or depth that was tried is much better; {asked}"
+                "{description}, and no other reading of lens, axes or depth that was tried is much better; {question}"
             ))
         }
         _ => None,
@@ -171,22 +173,22 @@ impl GBufferMap {
     /// The errors of [`Self::read`].
     pub fn check(&self, main: &Path, data: &GBufferData) -> Result<Option<String>> {
         let slopes = Slopes::of_data(data);
-        let share = slopes.disagreeing();
-        if share.is_none_or(|share| share <= LITTLE) && self.position.is_none() {
+        let share = slopes.share_disagreeing();
+        if share.is_none_or(|share| share <= TOLERATED_DISAGREEMENT) && self.position.is_none() {
             return Ok(None);
         }
-        let (own, mut open) = self.disagreement(main, OpenFiles::default());
-        let own = own?;
-        if own.worst() <= LITTLE {
+        let (stated, mut open) = self.disagreement(main, OpenFiles::default());
+        let stated = stated?;
+        if stated.worst() <= TOLERATED_DISAGREEMENT {
             return Ok(None);
         }
         let mut best: Option<(String, Disagreement)> = None;
-        for reading in readings(self) {
+        for reading in other_readings(self) {
             let (other, files) = reading.map.disagreement(main, open);
             open = files;
             // A reading that gives no camera or no depth is skipped.
             let Ok(other) = other else { continue };
-            if best.as_ref().is_none_or(|(_, least)| other.is_before(*least)) {
+            if best.as_ref().is_none_or(|(_, least)| other.agrees_better(*least)) {
                 best = Some((reading.words, other));
             }
         }
@@ -194,7 +196,7 @@ impl GBufferMap {
         // positions, which would reveal a wrong lens by themselves.
         if self.position.is_none() {
             let fit = slopes.best_lens(&data.camera);
-            let lens = fit.map(|(words, fitted)| (words, Disagreement::new(&fitted, own.places)));
+            let lens = fit.map(|(words, fitted)| (words, Disagreement::new(&fitted, stated.places)));
             let is_clearly_better = |other: &Disagreement| {
                 best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees)
             };
@@ -202,13 +204,13 @@ impl GBufferMap {
                 best = Some(lens);
             }
         }
-        Ok(describe_disagreement(own, best, self.position.is_some()))
+        Ok(message(stated, best, self.position.is_some()))
     }
 
     /// Returns the disagreement of a frame that this map decodes. `open` are files that were read before. They are
     /// returned, with those that this map read, so that the next reading of the map need not read them again.
     fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
-        let mut files = MapFiles::with(&self.path, main, self.arrangement(), open);
+        let mut files = MapFiles::with_open(&self.path, main, self.arrangement(), open);
         let measured = self.measure(&mut files);
         (measured, files.into_open())
     }
@@ -218,12 +220,12 @@ impl GBufferMap {
         let planes = self.depth.read(files)?;
         let size = files.size();
         let (camera, coding) = self.camera.get(&self.conventions, &self.depth, files)?;
-        let depth = self.depth.reversed(&planes, &camera, coding, self.conventions.metres, size)?;
+        let depth = self.depth.to_reversed(&planes, &camera, coding, self.conventions.metres, size)?;
         let normal = self.normals.read(files, &self.conventions, &camera, &depth)?;
         let frame = Frame { size, camera, depth, normal };
         let slopes = Slopes::new(&frame.camera, size, &frame.depth, &frame.normal);
         let places = match &self.position {
-            Some(position) => position.off(files, &self.conventions, &frame)?,
+            Some(position) => position.share_off(files, &self.conventions, &frame)?,
             None => 0.0,
         };
         Ok(Disagreement::new(&slopes, places))

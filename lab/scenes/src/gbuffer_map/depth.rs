@@ -81,7 +81,7 @@ pub(super) struct MapDepth {
 
 /// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice
 /// the rounding of a 16-bit float.
-const ROUNDED: f64 = 1.0 / 1024.0;
+const NEAR_TOLERANCE: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
     /// Takes the keys of the section `[depth]`, and checks that they can be given together.
@@ -156,7 +156,7 @@ impl MapDepth {
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for the first pixel whose depth is out of range or nearer
     /// than the near plane.
-    pub fn reversed(
+    pub fn to_reversed(
         &self,
         planes: &MapPlanes,
         camera: &Camera,
@@ -166,7 +166,7 @@ impl MapDepth {
     ) -> Result<Vec<f32>> {
         let (near, far) = (f64::from(camera.lens.near_m), f64::from(camera.lens.far_m));
         // Depth that is coded between the camera's own planes needs no conversion.
-        let is_ours = match camera.projection {
+        let is_camera_coding = match camera.projection {
             Some(projection) => coding.as_f32() == projection.depth,
             None => coding == DepthCoding::of_planes(camera.kind(), near, far),
         };
@@ -176,8 +176,8 @@ impl MapDepth {
             None if camera.kind().is_orthographic() => (far - z) / (far - near),
             None => near * (far - z) / (z * (far - near)),
         };
-        let ray = rays(camera, size);
-        let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - ROUNDED);
+        let sight_ray = sight_rays(camera, size);
+        let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - NEAR_TOLERANCE);
         // The camera's reversed depth of a pixel, counted row by row.
         let convert = |pixel: usize| -> Result<f32> {
             let raw = planes.raw(0, pixel);
@@ -191,7 +191,7 @@ impl MapDepth {
                 DepthKind::Clip(ClipDepth::Standard) => 1.0 - value,
                 DepthKind::Clip(ClipDepth::MinusOneToOne) => 0.5 - 0.5 * value,
                 DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => {
-                    let ray_length = if self.kind == DepthKind::ViewZ { 1.0 } else { ray(pixel).length() };
+                    let ray_length = if self.kind == DepthKind::ViewZ { 1.0 } else { sight_ray(pixel).length() };
                     let start_z = if self.kind == DepthKind::DistanceFromNear { near } else { 0.0 };
                     let z = start_z + value * metres / ray_length;
                     if is_too_near(z) {
@@ -204,7 +204,7 @@ impl MapDepth {
                 let range = if self.is_minus_one_to_one() { "lie in -1 to 1" } else { "lie in 0 to 1" };
                 return wrong(range);
             }
-            if is_ours {
+            if is_camera_coding {
                 return Ok(reversed as f32);
             }
             let z = coding.view_z(reversed);
@@ -222,8 +222,7 @@ impl MapDepth {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
             (_, Some(limit)) => raw.abs() >= limit.abs(),
-            // Infinite distances of either sign are sky; finite distances beyond the far plane become sky in
-            // `reversed`.
+            // Infinite distances of either sign are sky; `to_reversed` makes sky of finite ones beyond the far plane.
             (_, None) => raw.is_infinite(),
         };
         beyond || self.sky_value.is_some_and(|sky| raw == sky)
@@ -232,7 +231,7 @@ impl MapDepth {
 
 /// Returns a function that gives the view-space ray of sight through the centre of a pixel, with z = 1. The function
 /// takes the number of the pixel, row by row.
-fn rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
+fn sight_rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
     let (kind, clip) = (camera.kind(), camera.view_to_clip_reversed().as_dmat4());
     move |pixel| {
         if kind.is_orthographic() {

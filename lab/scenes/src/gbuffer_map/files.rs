@@ -7,7 +7,7 @@ use exr::meta::attribute::AttributeValue;
 use exr::meta::magic_number;
 use ssct_geometry::{bounded, texture};
 use ssct_ground::{Error, Result};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ pub(super) struct MapFiles<'a> {
     /// The path of the map, for errors.
     pub map: &'a Path,
     main: &'a Path,
-    arranged: Arrangement<'a>,
+    arrangement: Arrangement<'a>,
     open: OpenFiles,
     /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
@@ -67,13 +67,13 @@ pub(super) struct MapFiles<'a> {
 impl<'a> MapFiles<'a> {
     /// Makes the files of a frame, none of which is read yet: `main` and the files in its folder. `map` is the path of
     /// the map, for errors.
-    pub fn new(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>) -> Self {
-        Self::with(map, main, arranged, OpenFiles::new())
+    pub fn new(map: &'a Path, main: &'a Path, arrangement: Arrangement<'a>) -> Self {
+        Self::with_open(map, main, arrangement, OpenFiles::new())
     }
 
     /// Makes the files like [`Self::new`], with some that were read before.
-    pub fn with(map: &'a Path, main: &'a Path, arranged: Arrangement<'a>, open: OpenFiles) -> Self {
-        Self { map, main, arranged, open, size: None, pixel_aspect: 1.0, main_is_used: false }
+    pub fn with_open(map: &'a Path, main: &'a Path, arrangement: Arrangement<'a>, open: OpenFiles) -> Self {
+        Self { map, main, arrangement, open, size: None, pixel_aspect: 1.0, main_is_used: false }
     }
 
     /// Returns the files that were read.
@@ -124,7 +124,8 @@ impl<'a> MapFiles<'a> {
         let file = path.display().to_string();
         let wrong = |message: String| Error::malformed(self.map, Some(source.line), message);
         let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
-        let (part, channel) = find(parts, source.part.as_deref(), self.arranged.view, name, &file).map_err(wrong)?;
+        let (part, channel) =
+            find_channel(parts, source.part.as_deref(), self.arrangement.view, name, &file).map_err(wrong)?;
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
             return Err(wrong(format!(
                 "channel {name} of {file} was rounded by {compression}; depth, normals and sky must be compressed \
@@ -140,7 +141,7 @@ impl<'a> MapFiles<'a> {
                 "{file} has {width}x{height} pixels, and {first} has {first_width}x{first_height}"
             )));
         }
-        let values = if self.arranged.bottom_up {
+        let values = if self.arrangement.bottom_up {
             channel.values.chunks_exact(width as usize).rev().flatten().copied().collect()
         } else {
             channel.values.clone()
@@ -169,13 +170,10 @@ impl<'a> MapFiles<'a> {
         }
         let shown = path.display();
         let message = if searched.is_empty() {
-            no_part(parts, wanted.part.as_deref().unwrap_or_default(), &shown.to_string())
+            missing_part(parts, wanted.part.as_deref().unwrap_or_default(), &shown.to_string())
         } else {
-            let mut names: Vec<&str> =
-                searched.iter().flat_map(|part| part.attributes.keys()).map(String::as_str).collect();
-            names.sort_unstable();
-            names.dedup();
-            format!("there is no attribute {:?} in {shown}, which has {}", wanted.name, list(&names))
+            let names = distinct(searched.iter().flat_map(|part| part.attributes.keys()).map(String::as_str));
+            format!("there is no attribute {:?} in {shown}, which has {}", wanted.name, list_names(&names))
         };
         Err(self.error(line, format!("{key}: {message}")))
     }
@@ -184,7 +182,7 @@ impl<'a> MapFiles<'a> {
     ///
     /// # Errors
     /// [`Error::Malformed`] if nothing was taken from the main file.
-    pub fn finish(&self) -> Result<()> {
+    pub fn check_main_is_used(&self) -> Result<()> {
         if self.main_is_used {
             return Ok(());
         }
@@ -248,7 +246,7 @@ fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
 ///
 /// # Errors
 /// A message if no channel has the name, or several parts have it.
-fn find<'a>(
+fn find_channel<'a>(
     parts: &'a [ExrPart],
     part: Option<&str>,
     view: Option<&str>,
@@ -264,8 +262,8 @@ fn find<'a>(
     let searched = || parts.iter().filter(|candidate| is_in_view(candidate) && is_part(candidate));
     if searched().next().is_none() {
         return Err(match view {
-            Some(view) if !parts.iter().any(is_in_view) => no_view(parts, view, file),
-            _ => no_part(parts, part.unwrap_or_default(), file),
+            Some(view) if !parts.iter().any(is_in_view) => missing_view(parts, view, file),
+            _ => missing_part(parts, part.unwrap_or_default(), file),
         });
     }
     // A channel may be named with or without its view, and with or without its part, in the file and in the map.
@@ -287,20 +285,18 @@ fn find<'a>(
             let names: Vec<String> =
                 searched().flat_map(|part| part.channels.keys().map(|channel| full_name(part, channel))).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            Err(format!("there is no channel {name} in {file}, which has {}", list(&names)))
+            Err(format!("there is no channel {name} in {file}, which has {}", list_names(&names)))
         }
         _ => {
             let names: Vec<&str> = found.iter().map(|(part, ..)| part.name.as_deref().unwrap_or("")).collect();
-            let mut views: Vec<&str> = found.iter().filter_map(|(part, ..)| part.view.as_deref()).collect();
-            views.sort_unstable();
-            views.dedup();
+            let views = distinct(found.iter().filter_map(|(part, ..)| part.view.as_deref()));
             let by_view = match views.len() {
                 0 | 1 => String::new(),
-                _ => format!(", or at the top of the map by view, one of {}", list(&views)),
+                _ => format!(", or at the top of the map by view, one of {}", list_names(&views)),
             };
             Err(format!(
                 "channel {name} is in several parts of {file}: say which by part, one of {}{by_view}",
-                list(&names)
+                list_names(&names)
             ))
         }
     }
@@ -320,11 +316,9 @@ fn without_view_inside(channel: &str, view: &str) -> Option<String> {
 }
 
 /// Makes the message about a view that a file lacks, with the names of its views.
-fn no_view(parts: &[ExrPart], view: &str, file: &str) -> String {
-    let mut names: Vec<&str> = parts.iter().filter_map(|part| part.view.as_deref()).collect();
-    names.sort_unstable();
-    names.dedup();
-    format!("there is no view {view:?} in {file}, which has {}", list(&names))
+fn missing_view(parts: &[ExrPart], view: &str, file: &str) -> String {
+    let names = distinct(parts.iter().filter_map(|part| part.view.as_deref()));
+    format!("there is no view {view:?} in {file}, which has {}", list_names(&names))
 }
 
 /// Returns the rest of a channel's name after the name of its part and a point; `None` if the name does not begin with
@@ -345,15 +339,20 @@ fn full_name(part: &ExrPart, channel: &str) -> String {
 }
 
 /// Makes the message about a part that a file lacks, with the names of its parts.
-fn no_part(parts: &[ExrPart], part: &str, file: &str) -> String {
+fn missing_part(parts: &[ExrPart], part: &str, file: &str) -> String {
     let names: Vec<&str> = parts.iter().filter_map(|part| part.name.as_deref()).collect();
-    let which = if names.is_empty() { "no parts with a name".to_owned() } else { list(&names) };
+    let which = if names.is_empty() { "no parts with a name".to_owned() } else { list_names(&names) };
     format!("there is no part {part:?} in {file}, which has {which}")
+}
+
+/// Sorts names, and leaves out repetitions.
+fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    names.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// Joins names with commas; of more than [`MOST_NAMES`] names, only the first are listed, with the number of the
 /// others.
-fn list(names: &[&str]) -> String {
+fn list_names(names: &[&str]) -> String {
     let first = names[..names.len().min(MOST_NAMES)].join(", ");
     match names.len().checked_sub(MOST_NAMES) {
         Some(more) if more > 0 => format!("{first} and {more} more"),

@@ -19,7 +19,7 @@ pub(super) struct MapKeys<'a> {
     /// The line in which the section begins.
     pub line: usize,
     /// The keys that have not been taken, each with its value and its line.
-    left: BTreeMap<String, (Value, usize)>,
+    untaken: BTreeMap<String, (Value, usize)>,
     /// The keys that the section may have, for the error about an unknown key.
     known: Vec<&'static str>,
 }
@@ -32,8 +32,8 @@ impl<'a> MapKeys<'a> {
             let line = text.line(value.span());
             (key, (value.into_inner(), line))
         };
-        let left = section.into_inner().into_iter().map(entry).collect();
-        Self { text, name: name.to_owned(), line, left, known: Vec::new() }
+        let untaken = section.into_inner().into_iter().map(entry).collect();
+        Self { text, name: name.to_owned(), line, untaken, known: Vec::new() }
     }
 
     /// Collects the keys of an optional section; there are none if the section is missing.
@@ -50,12 +50,12 @@ impl<'a> MapKeys<'a> {
     /// knows.
     fn take(&mut self, key: &'static str) -> Option<(Value, usize)> {
         self.known.push(key);
-        self.left.remove(key)
+        self.untaken.remove(key)
     }
 
     /// Returns true if a key is present and has not been taken.
     pub fn has(&self, key: &str) -> bool {
-        self.left.contains_key(key)
+        self.untaken.contains_key(key)
     }
 
     /// Takes a key whose value must be a text; `None` if the key is absent.
@@ -104,10 +104,10 @@ impl<'a> MapKeys<'a> {
     }
 
     /// Takes a key whose value must be one finite number or three; `None` if the key is absent.
-    pub fn value(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
+    pub fn one_or_three(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let is_right = |numbers: &Vec<f64>| [1, 3].contains(&numbers.len()) && numbers.iter().all(|v| v.is_finite());
-        let numbers = flat(&value).filter(is_right);
+        let numbers = flat_numbers(&value).filter(is_right);
         let wrong = || self.error(line, format!("{key} must be a finite number or three, not {}", value_text(&value)));
         numbers.ok_or_else(wrong).map(Some)
     }
@@ -135,7 +135,7 @@ impl<'a> MapKeys<'a> {
             NumbersFrom::Attribute(self.attribute(key, line, table)?)
         } else {
             let is_right = |numbers: &Vec<f64>| numbers.len() == count && numbers.iter().all(|v| v.is_finite());
-            let numbers = flat(&value).filter(is_right);
+            let numbers = flat_numbers(&value).filter(is_right);
             NumbersFrom::Here(numbers.ok_or_else(|| {
                 let expected =
                     if count == 1 { "a finite number".to_owned() } else { format!("{count} finite numbers") };
@@ -150,7 +150,7 @@ impl<'a> MapKeys<'a> {
 
     /// Reads a table that names an attribute of a file. The table is the value of `key`, in the line `line`.
     fn attribute(&self, key: &str, line: usize, table: toml::Table) -> Result<AttributeName> {
-        let mut keys = self.inner(key, line, table);
+        let mut keys = self.table_keys(key, line, table);
         let [name, file, part] = ["attribute", "file", "part"].map(|key| keys.text(key));
         let [name, file, part] = [name?, file?, part?];
         keys.finish()?;
@@ -162,15 +162,15 @@ impl<'a> MapKeys<'a> {
     pub fn table(&mut self, key: &'static str) -> Result<Option<Self>> {
         match self.take(key) {
             None => Ok(None),
-            Some((Value::Table(table), line)) => Ok(Some(self.inner(key, line, table))),
+            Some((Value::Table(table), line)) => Ok(Some(self.table_keys(key, line, table))),
             Some((other, line)) => Err(self.error(line, format!("{key} must be a table, not {}", kind(&other)))),
         }
     }
 
     /// Collects the keys of a table that is the value of `key`. All keys get the line of the table.
-    fn inner(&self, key: &str, line: usize, table: toml::Table) -> Self {
-        let left = table.into_iter().map(|(key, value)| (key, (value, line))).collect();
-        Self { text: self.text, name: format!("{} {key}", self.name), line, left, known: Vec::new() }
+    fn table_keys(&self, key: &str, line: usize, table: toml::Table) -> Self {
+        let untaken = table.into_iter().map(|(key, value)| (key, (value, line))).collect();
+        Self { text: self.text, name: format!("{} {key}", self.name), line, untaken, known: Vec::new() }
     }
 
     /// Ends the section; it is an error if keys are left.
@@ -178,7 +178,7 @@ impl<'a> MapKeys<'a> {
     /// # Errors
     /// [`Error::Malformed`] with the first key that was not taken, and the names of the keys that the section knows.
     pub fn finish(self) -> Result<()> {
-        match self.left.iter().min_by_key(|(_, (_, line))| *line) {
+        match self.untaken.iter().min_by_key(|(_, (_, line))| *line) {
             None => Ok(()),
             Some((key, (_, line))) => {
                 Err(self.error(*line, format!("there is no key {key:?} here; there are {}", self.known.join(", "))))
@@ -199,9 +199,9 @@ fn number(value: &Value) -> Option<f64> {
 
 /// Returns a number as a list of one, or the numbers of a list, also of nested lists, in order; `None` if anything in
 /// the value is no number.
-fn flat(value: &Value) -> Option<Vec<f64>> {
+fn flat_numbers(value: &Value) -> Option<Vec<f64>> {
     match value {
-        Value::Array(list) => list.iter().map(flat).collect::<Option<Vec<_>>>().map(|lists| lists.concat()),
+        Value::Array(list) => list.iter().map(flat_numbers).collect::<Option<Vec<_>>>().map(|lists| lists.concat()),
         other => number(other).map(|number| vec![number]),
     }
 }

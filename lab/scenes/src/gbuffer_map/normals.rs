@@ -14,7 +14,7 @@ use ssct_ground::conventions::NormalEncoding;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum MapEncoding {
     /// One of the encodings that images of other renderers have, too.
-    Of(NormalEncoding),
+    Shared(NormalEncoding),
     /// Octahedral coordinates as two numbers of 12 bits in three channels of 8 bits.
     Octahedral888,
 }
@@ -34,18 +34,18 @@ const SHORTEST: f64 = 1e-3;
 impl MapNormals {
     /// Takes the keys of the section `[normal]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
-        use MapEncoding::{Octahedral888, Of};
+        use MapEncoding::{Octahedral888, Shared};
         use NormalEncoding::{Float, Octahedral, OctahedralUnorm, Unorm};
         let is_world = keys.required_word("space", &[("view", false), ("world", true)])?;
         let encodings = [
-            ("signed", Of(Float)),
-            ("unorm", Of(Unorm)),
-            ("octahedral", Of(Octahedral)),
-            ("octahedral-unorm", Of(OctahedralUnorm)),
+            ("signed", Shared(Float)),
+            ("unorm", Shared(Unorm)),
+            ("octahedral", Shared(Octahedral)),
+            ("octahedral-unorm", Shared(OctahedralUnorm)),
             ("octahedral-888", Octahedral888),
         ];
-        let encoding = keys.word("encoding", &encodings)?.unwrap_or(Of(Float));
-        let counts: &[usize] = if matches!(encoding, Of(Octahedral | OctahedralUnorm)) { &[2] } else { &[3] };
+        let encoding = keys.word("encoding", &encodings)?.unwrap_or(Shared(Float));
+        let counts: &[usize] = if matches!(encoding, Shared(Octahedral | OctahedralUnorm)) { &[2] } else { &[3] };
         let source = MapSource::take(&mut keys, SourceRules { counts, ..SourceRules::EXACT })?;
         keys.finish()?;
         Ok(Self { source, is_world, encoding })
@@ -57,7 +57,7 @@ impl MapNormals {
     }
 
     /// Returns true if the normals are in world space. They can then be read only if the camera's place is known.
-    pub fn need_world(&self) -> bool {
+    pub fn are_in_world(&self) -> bool {
         self.is_world
     }
 
@@ -100,10 +100,12 @@ impl MapNormals {
     fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
         let [x, y] = [0, 1].map(|plane| planes.value(plane, pixel));
         match self.encoding {
-            MapEncoding::Of(NormalEncoding::Float) => DVec3::new(x, y, planes.value(2, pixel)),
-            MapEncoding::Of(NormalEncoding::Unorm) => unit(DVec3::new(x, y, planes.value(2, pixel)) * 2.0 - 1.0),
-            MapEncoding::Of(NormalEncoding::Octahedral) => octahedral(DVec2::new(x, y)),
-            MapEncoding::Of(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
+            MapEncoding::Shared(NormalEncoding::Float) => DVec3::new(x, y, planes.value(2, pixel)),
+            MapEncoding::Shared(NormalEncoding::Unorm) => {
+                unit_or_zero(DVec3::new(x, y, planes.value(2, pixel)) * 2.0 - 1.0)
+            }
+            MapEncoding::Shared(NormalEncoding::Octahedral) => octahedral(DVec2::new(x, y)),
+            MapEncoding::Shared(NormalEncoding::OctahedralUnorm) => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
             MapEncoding::Octahedral888 => {
                 let bytes = [x, y, planes.value(2, pixel)].map(|value| (value * 255.0).round().clamp(0.0, 255.0));
                 // The third byte has the upper four bits of each 12-bit number: those of x in its lower half, and those
@@ -122,7 +124,7 @@ pub(super) fn has_direction(normal: Vec3) -> bool {
 }
 
 /// Scales a vector to length 1, or to zero if it is too short for a direction.
-fn unit(vector: DVec3) -> DVec3 {
+fn unit_or_zero(vector: DVec3) -> DVec3 {
     if vector.length() < SHORTEST { DVec3::ZERO } else { vector.normalize() }
 }
 
@@ -131,5 +133,5 @@ fn unit(vector: DVec3) -> DVec3 {
 fn octahedral(point: DVec2) -> DVec3 {
     let z = 1.0 - point.x.abs() - point.y.abs();
     let fold = (-z).max(0.0);
-    unit(DVec3::new(point.x - fold * point.x.signum(), point.y - fold * point.y.signum(), z))
+    unit_or_zero(DVec3::new(point.x - fold * point.x.signum(), point.y - fold * point.y.signum(), z))
 }

@@ -13,7 +13,7 @@ pub(super) struct Reading {
 
 /// Returns all readings that differ from a map in one convention, in the kind of depth, or in how the lens or the place
 /// is given.
-pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
+pub(super) fn other_readings(map: &GBufferMap) -> Vec<Reading> {
     let mut readings = Vec::new();
     let mut add = |words: String, change: &dyn Fn(&mut GBufferMap)| {
         let mut other = map.clone();
@@ -40,7 +40,7 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         }
     }
     if map.camera.has_place() {
-        let word = if map.normals.need_world() { "view" } else { "world" };
+        let word = if map.normals.are_in_world() { "view" } else { "world" };
         add(format!("space = {word:?} in [normal]"), &|map| map.normals = map.normals.in_other_space());
     }
     let (word, order) = match map.conventions.matrices {
@@ -48,7 +48,7 @@ pub(super) fn readings(map: &GBufferMap) -> Vec<Reading> {
         MatrixOrder::Rows => ("columns", MatrixOrder::Columns),
     };
     add(format!("matrices = {word:?} in [conventions]"), &|map| map.conventions.matrices = order);
-    for (words, camera) in map.camera.other_ways() {
+    for (words, camera) in map.camera.other_readings() {
         add(words.to_owned(), &|map| map.camera = camera.clone());
     }
     readings

@@ -85,7 +85,7 @@ pub(super) struct MapPlanes<'a> {
 
 impl MapSource {
     /// Takes the keys of a section that has only the keys of a source.
-    pub fn only(mut keys: MapKeys, rules: SourceRules) -> Result<Self> {
+    pub fn take_section(mut keys: MapKeys, rules: SourceRules) -> Result<Self> {
         let source = Self::take(&mut keys, rules)?;
         keys.finish()?;
         Ok(source)
@@ -99,7 +99,7 @@ impl MapSource {
         let allowed_counts = rules.counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
         let names = if rules.counts.contains(&1) { keys.names("channel")? } else { None };
         let names = if rules.counts == [1] { names } else { names.or(keys.names("channels")?) };
-        let value = if rules.may_be_constant { keys.value("value")? } else { None };
+        let value = if rules.may_be_constant { keys.one_or_three("value")? } else { None };
         let encodings = [("linear", false), ("srgb", true)];
         let is_srgb = rules.may_be_srgb && keys.word("encoding", &encodings)?.unwrap_or(false);
         let scale = keys.number("scale", false)?;

@@ -34,13 +34,13 @@ pub(super) struct MapRoughness {
 }
 
 /// Computes a value for each pixel by its number; sky, where the reversed depth is 0, gets 0.
-fn each(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
+fn values_or_sky(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
     let value_or_sky = |(pixel, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value(pixel) };
     depth.iter().enumerate().map(value_or_sky).collect()
 }
 
 /// Returns a value of a pixel, clamped to 0 to 1. It is an error if the value lies outside by more than [`OVERSHOOT`].
-fn unit(planes: &MapPlanes, plane: usize, pixel: usize) -> Result<f64> {
+fn unit_value(planes: &MapPlanes, plane: usize, pixel: usize) -> Result<f64> {
     let value = planes.value(plane, pixel);
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&value) {
         return Ok(value.clamp(0.0, 1.0));
@@ -48,9 +48,9 @@ fn unit(planes: &MapPlanes, plane: usize, pixel: usize) -> Result<f64> {
     Err(planes.error(pixel, value, "lie in 0 to 1 (scale and offset can take it there)"))
 }
 
-/// Returns the colour of a pixel, whose components must lie in 0 to 1 like a value of [`unit`].
-fn colour(planes: &MapPlanes, pixel: usize) -> Result<Vec3> {
-    let [r, g, b] = [0, 1, 2].map(|plane| unit(planes, plane, pixel));
+/// Returns the colour of a pixel, whose components must lie in 0 to 1 like a value of [`unit_value`].
+fn unit_colour(planes: &MapPlanes, pixel: usize) -> Result<Vec3> {
+    let [r, g, b] = [0, 1, 2].map(|plane| unit_value(planes, plane, pixel));
     Ok(Vec3::new(r? as f32, g? as f32, b? as f32))
 }
 
@@ -76,12 +76,12 @@ impl MapRoughness {
     /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         let planes = self.source.read(files)?;
-        each(depth, |pixel| {
+        values_or_sky(depth, |pixel| {
             Ok(match self.kind {
-                RoughnessKind::Lobe => unit(&planes, 0, pixel)? as f32,
-                RoughnessKind::GgxAlpha => roughness_of_alpha(unit(&planes, 0, pixel)?),
-                RoughnessKind::Perceptual => roughness_of_perceptual(unit(&planes, 0, pixel)? as f32),
-                RoughnessKind::Smoothness => roughness_of_perceptual((1.0 - unit(&planes, 0, pixel)?) as f32),
+                RoughnessKind::Lobe => unit_value(&planes, 0, pixel)? as f32,
+                RoughnessKind::GgxAlpha => roughness_of_alpha(unit_value(&planes, 0, pixel)?),
+                RoughnessKind::Perceptual => roughness_of_perceptual(unit_value(&planes, 0, pixel)? as f32),
+                RoughnessKind::Smoothness => roughness_of_perceptual((1.0 - unit_value(&planes, 0, pixel)?) as f32),
                 // An exponent of 0 is the widest lobe; an infinite one is a mirror.
                 RoughnessKind::PhongExponent => match planes.value(0, pixel) {
                     0.0 => 1.0,
@@ -115,14 +115,14 @@ impl MapReflectivity {
     /// Takes the keys of the section `[reflectivity]`.
     pub fn given(keys: MapKeys) -> Result<Self> {
         let rules = SourceRules { has_offset: true, ..SourceRules::COLOUR };
-        Ok(Self::Given(MapSource::only(keys, rules)?))
+        Ok(Self::Given(MapSource::take_section(keys, rules)?))
     }
 
     /// Takes the keys of the sections `[metallic]`, `[base-color]` and `[f0]`.
     pub fn metallic(metallic: MapKeys, base: MapKeys, f0: Option<MapKeys>) -> Result<Self> {
-        let metallic = MapSource::only(metallic, SourceRules::MATERIAL)?;
-        let base = MapSource::only(base, SourceRules::COLOUR)?;
-        let f0 = f0.map(|keys| MapSource::only(keys, SourceRules::MATERIAL)).transpose()?;
+        let metallic = MapSource::take_section(metallic, SourceRules::MATERIAL)?;
+        let base = MapSource::take_section(base, SourceRules::COLOUR)?;
+        let f0 = f0.map(|keys| MapSource::take_section(keys, SourceRules::MATERIAL)).transpose()?;
         Ok(Self::Metallic(Box::new(MapMetallic { metallic, base, f0 })))
     }
 
@@ -135,11 +135,11 @@ impl MapReflectivity {
         match self {
             Self::Given(source) => {
                 let planes = source.read(files)?;
-                each(depth, |pixel| {
+                values_or_sky(depth, |pixel| {
                     Ok(if source.count() == 1 {
-                        unit(&planes, 0, pixel)? as f32
+                        unit_value(&planes, 0, pixel)? as f32
                     } else {
-                        texture::luminance(colour(&planes, pixel)?).clamp(0.0, 1.0)
+                        texture::luminance(unit_colour(&planes, pixel)?).clamp(0.0, 1.0)
                     })
                 })
             }
@@ -148,11 +148,11 @@ impl MapReflectivity {
                 let metallic = metallic.read(files)?;
                 let base = base.read(files)?;
                 let f0 = f0.as_ref().map(|f0| f0.read(files)).transpose()?;
-                each(depth, |pixel| {
-                    let f0 = f0.as_ref().map(|f0| unit(f0, 0, pixel)).transpose()?;
+                values_or_sky(depth, |pixel| {
+                    let f0 = f0.as_ref().map(|f0| unit_value(f0, 0, pixel)).transpose()?;
                     let f0 = f0.map_or(material_terms::F0, |f0| f0 as f32);
-                    let metallic = unit(&metallic, 0, pixel)? as f32;
-                    Ok(material_terms::reflectivity(colour(&base, pixel)?, metallic, Vec3::splat(f0)))
+                    let metallic = unit_value(&metallic, 0, pixel)? as f32;
+                    Ok(material_terms::reflectivity(unit_colour(&base, pixel)?, metallic, Vec3::splat(f0)))
                 })
             }
         }
@@ -171,7 +171,7 @@ impl MapColour {
     /// Takes the keys of a section `[[color]]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
         let source = MapSource::take(&mut keys, SourceRules::COLOUR)?;
-        let times = keys.table("times")?.map(|keys| MapSource::only(keys, SourceRules::COLOUR)).transpose()?;
+        let times = keys.table("times")?.map(|keys| MapSource::take_section(keys, SourceRules::COLOUR)).transpose()?;
         keys.finish()?;
         Ok(Self { source, times })
     }
@@ -211,7 +211,7 @@ pub(super) struct MapSky(MapSource);
 impl MapSky {
     /// Takes the keys of the section `[sky]`.
     pub fn take(keys: MapKeys) -> Result<Self> {
-        Ok(Self(MapSource::only(keys, SourceRules::EXACT)?))
+        Ok(Self(MapSource::take_section(keys, SourceRules::EXACT)?))
     }
 
     /// Reads the kind of surface of every pixel: sky where the channel is above ½.

@@ -56,7 +56,7 @@ impl<'a> Data<'a> {
         let mut buffers = Vec::new();
         for (index, buffer) in document.as_json().buffers.iter().enumerate() {
             let bytes = match &buffer.uri {
-                Some(uri) => match inline(uri) {
+                Some(uri) => match data_uri_bytes(uri) {
                     Some(bytes) => {
                         bytes.ok_or_else(|| malformed(path, format!("buffer {index} is not valid base64")))?
                     }
@@ -82,7 +82,7 @@ impl<'a> Data<'a> {
             }
             buffers.push(bytes);
         }
-        let decoded = decoded(path, document, &buffers)?;
+        let decoded = decode_views(path, document, &buffers)?;
         Ok(Self { path, document, buffers, decoded })
     }
 
@@ -117,7 +117,7 @@ impl<'a> Data<'a> {
         let Some(uri) = &image.uri else {
             return Err(self.error(format!("image {index} has neither an address nor a buffer view")));
         };
-        Ok(match inline(uri) {
+        Ok(match data_uri_bytes(uri) {
             Some(bytes) => {
                 let bytes = bytes.ok_or_else(|| self.error(format!("image {index} is not valid base64")))?;
                 (name(format!("image {index}")), ImageBytes::Here(bytes.into()))
@@ -225,7 +225,7 @@ impl<'a> Data<'a> {
             None => None,
         };
         let changed = match &json.sparse {
-            Some(sparse) => self.changed(sparse, (index, count, size))?,
+            Some(sparse) => self.sparse_changes(sparse, index, count, size)?,
             None => Vec::new(),
         };
         Ok(Elements { base, size, count, changed })
@@ -233,7 +233,7 @@ impl<'a> Data<'a> {
 
     /// Returns the elements that a sparse accessor changes, each as its index and its bytes, in the order of their
     /// indices. The accessor has the index `index` and `count` elements of `size` bytes.
-    fn changed(&self, sparse: &Sparse, (index, count, size): (usize, usize, usize)) -> Result<Vec<(usize, &[u8])>> {
+    fn sparse_changes(&self, sparse: &Sparse, index: usize, count: usize, size: usize) -> Result<Vec<(usize, &[u8])>> {
         let outside = || self.error(format!("accessor {index}: its sparse elements leave their buffer view"));
         let changed_count = usize::try_from(sparse.count.0).map_err(|_| outside())?;
         let Checked::Valid(IndexComponentType(kind)) = sparse.indices.component_type else { return Err(outside()) };
@@ -255,7 +255,7 @@ impl<'a> Data<'a> {
 }
 
 /// Decodes the compressed views of a document. The result has the bytes by the index of the view.
-fn decoded(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
+fn decode_views(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
         let wrong = |message: String| malformed(path, format!("buffer view {index}: {message}"));
@@ -375,7 +375,7 @@ fn malformed(path: &Path, message: impl Into<String>) -> Error {
 
 /// Decodes the bytes of a `data:` address (RFC 2397). The scheme may be written in capitals, and the data may be
 /// percent-encoded. The result is `None` for other addresses, and `Some(None)` for invalid or empty data.
-fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
+fn data_uri_bytes(uri: &str) -> Option<Option<Vec<u8>>> {
     let (scheme, rest) = uri.split_once(':')?;
     if !scheme.trim_start().eq_ignore_ascii_case("data") {
         return None;

@@ -6,7 +6,7 @@
 //! which [`is_harmless`] ignores those that do not matter to this loader.
 
 use super::typed::parse_typed;
-use super::{Notes, READ};
+use super::{Notes, READ_EXTENSIONS};
 use crate::encoding;
 use gltf::Document;
 use gltf::json::validation::{Checked, Error as Fault, Validate};
@@ -38,14 +38,14 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     let animations = value.as_object_mut().and_then(|document| document.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
-    let draco_message = draco_alone(&value);
+    let draco_message = draco_only_message(&value);
     let mut json: Root = parse_typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
     check_extensions(&mut json, notes).map_err(wrong)?;
     if let Some(message) = draco_message {
         return Err(wrong(message));
     }
     mend_samplers(&mut json, notes);
-    check(&json, notes).map_err(wrong)?;
+    validate(&json, notes).map_err(wrong)?;
     Ok((Document::from_json_without_validation(json), animations, blob))
 }
 
@@ -148,25 +148,25 @@ fn mend(document: &mut Value, notes: &mut Notes) {
     {
         *version = Value::from("2.0");
     }
-    for scene in list(document, "scenes") {
+    for scene in items(document, "scenes") {
         if let Some(scene) = scene.as_object_mut() {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
         }
     }
-    for view in list(document, "bufferViews") {
+    for view in items(document, "bufferViews") {
         // Some exporters write a stride of zero for elements without gaps.
         if let Some(members) = view.as_object_mut().filter(|view| view.get("byteStride") == Some(&Value::from(0))) {
             members.remove("byteStride");
         }
     }
-    for texture in list(document, "textures") {
+    for texture in items(document, "textures") {
         let webp = texture.get("extensions").and_then(|extensions| extensions.get(WEBP)?.get("source").cloned());
         if let (Some(source), Some(texture)) = (webp, texture.as_object_mut()) {
             // A file that also has the image as PNG or JPEG keeps that as its source.
             texture.entry("source").or_insert(source);
         }
     }
-    for primitive in list(document, "meshes").flat_map(|mesh| list(mesh, "primitives")) {
+    for primitive in items(document, "meshes").flat_map(|mesh| items(mesh, "primitives")) {
         if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
             drop_unknown_attributes(attributes, notes);
         }
@@ -213,7 +213,7 @@ fn mend_values(value: &mut Value) {
 }
 
 /// Returns the items of the list `name` of an object; none if it has no such list.
-fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
+fn items<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
     object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
@@ -222,19 +222,19 @@ fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut V
 /// # Errors
 /// A message for an extension that the file requires and this loader lacks.
 fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(), String> {
-    let known = |name: &String| READ.contains(&name.as_str());
-    if let Some(name) = json.extensions_required.iter().find(|name| !known(name)) {
+    let is_read = |name: &String| READ_EXTENSIONS.contains(&name.as_str());
+    if let Some(name) = json.extensions_required.iter().find(|name| !is_read(name)) {
         return Err(format!("requires the extension {name}, which is not supported; {}", remedy(name)));
     }
     // The crate would refuse required extensions that it does not know, even those that this loader reads itself.
     json.extensions_required.clear();
-    for name in json.extensions_used.iter().filter(|name| !known(name)) {
+    for name in json.extensions_used.iter().filter(|name| !is_read(name)) {
         if name == SPECULAR_GLOSSINESS {
             let sentence = format!("materials of {name} are not read and look metallic or rough; {}", remedy(name));
             notes.add(name, sentence);
             continue;
         }
-        let sentence = match changed_geometry(name) {
+        let sentence = match geometry_loss(name) {
             Some(lost) => format!("{lost}, since the extension {name} is not supported"),
             None => format!("the extension {name} is not supported and was ignored"),
         };
@@ -244,7 +244,7 @@ fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(
 }
 
 /// Says what is misplaced or missing without an extension that changes geometry; `None` for other extensions.
-fn changed_geometry(extension: &str) -> Option<&'static str> {
+fn geometry_loss(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "MSFT_lod" => "only the finest level of detail of each thing is drawn",
         "CESIUM_RTC" => "the scene stands at the origin and not around its centre",
@@ -286,20 +286,20 @@ fn check_lights(document: &Value) -> std::result::Result<(), String> {
 }
 
 /// Returns the message about the first mesh that exists only in Draco's format; `None` if there is none.
-fn draco_alone(document: &Value) -> Option<String> {
+fn draco_only_message(document: &Value) -> Option<String> {
     const DRACO: &str = "KHR_draco_mesh_compression";
     let has_bytes = |primitive: &Value| {
         let position = primitive.pointer("/attributes/POSITION").and_then(Value::as_u64);
         let accessor = position.and_then(|index| document.get("accessors")?.get(usize::try_from(index).ok()?));
         accessor.is_none_or(|accessor| accessor.get("bufferView").is_some())
     };
-    let is_alone = |mesh: &Value| {
+    let is_draco_only = |mesh: &Value| {
         let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
         let is_compressed =
             |primitive: &&Value| primitive.get("extensions").is_some_and(|extensions| extensions.get(DRACO).is_some());
         primitives.filter(is_compressed).any(|primitive| !has_bytes(primitive))
     };
-    let index = document.get("meshes")?.as_array()?.iter().position(is_alone)?;
+    let index = document.get("meshes")?.as_array()?.iter().position(is_draco_only)?;
     Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
@@ -321,7 +321,7 @@ fn mend_samplers(json: &mut Root, notes: &mut Notes) {
 ///
 /// # Errors
 /// A message for the first fault of the document that matters to this loader.
-fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
+fn validate(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     // The crate's own check of positions reads the accessor without checking that it exists.
     let position = Checked::Valid(gltf::Semantic::Positions);
     let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -331,7 +331,7 @@ fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     }
     let mut first = None;
     json.validate(json, JsonPath::new, &mut |path, fault| {
-        let path = in_json(&path());
+        let path = path_in_json(&path());
         if !is_harmless(&path, fault, notes) && first.is_none() {
             let what = match fault {
                 Fault::IndexOutOfBounds => "refers to what is not there",
@@ -348,7 +348,7 @@ fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
 
 /// Returns the place of a fault with the names of the JSON. The crate names extensions by its own fields, such as
 /// `khrMaterialsIor`, which becomes `KHR_materials_ior`.
-fn in_json(path: &JsonPath) -> String {
+fn path_in_json(path: &JsonPath) -> String {
     let is_extension = |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
     let parts = path.as_str().split('.').map(|part| {
         if !is_extension(part) {
@@ -368,18 +368,18 @@ fn in_json(path: &JsonPath) -> String {
 /// without a view has zeros, and a primitive without positions is not drawn. Strides are checked elsewhere, and the
 /// target of a view is not used.
 fn is_harmless(path: &str, fault: Fault, notes: &mut Notes) -> bool {
-    let ends = |end: &str| path.ends_with(end);
-    if ends(".attributes[\"POSITION\"].min") || ends(".attributes[\"POSITION\"].max") {
+    let ends_with = |end: &str| path.ends_with(end);
+    if ends_with(".attributes[\"POSITION\"].min") || ends_with(".attributes[\"POSITION\"].max") {
         notes.add("bounds", "positions lack their bounds (min and max), which were computed".to_owned());
         return true;
     }
     match fault {
-        Fault::Missing if ends(".attributes[\"POSITION\"]") => {
+        Fault::Missing if ends_with(".attributes[\"POSITION\"]") => {
             notes.add("positions", "primitives without positions are not drawn".to_owned());
             true
         }
-        Fault::Missing => path.starts_with("accessors[") && ends("].bufferView"),
-        Fault::Invalid => path.starts_with("bufferViews[") && (ends("].byteStride") || ends("].target")),
+        Fault::Missing => path.starts_with("accessors[") && ends_with("].bufferView"),
+        Fault::Invalid => path.starts_with("bufferViews[") && (ends_with("].byteStride") || ends_with("].target")),
         _ => false,
     }
 }

@@ -27,9 +27,10 @@ impl Default for Tally {
 /// Makes the triangles of a primitive, placed in the world by `mesh`; `None` if it has none. `material` is the index of
 /// the primitive's material among the materials in use, and `coordinates` are the texture coordinates that this
 /// material needs.
-pub(super) fn part(
+pub(super) fn mesh_part(
     data: &Data,
-    (primitive, material): (&Primitive, usize),
+    primitive: &Primitive,
+    material: usize,
     mesh: &PlacedMesh,
     coordinates: &Coordinates,
     tally: &mut Tally,
@@ -47,16 +48,16 @@ pub(super) fn part(
         Some(accessor) => data.indices(&accessor)?.iter().collect(),
         None => (0..vertices.count as u32).collect::<Vec<u32>>(),
     };
-    let corners = corners(primitive.mode(), &indices);
-    tally.triangles += corners.len();
+    let triangle_indices = triangle_indices(primitive.mode(), &indices);
+    tally.triangles += triangle_indices.len();
     if tally.triangles > MAX_TRIANGLES {
         return Err(data.error(format!("places more than {MAX_TRIANGLES} triangles in the world")));
     }
-    let mut triangles = Vec::with_capacity(corners.len());
-    let mut placed = PlacedVertices::new(vertices.count, corners.len());
-    for triangle in corners {
+    let mut triangles = Vec::with_capacity(triangle_indices.len());
+    let mut placed = PlacedVertices::new(vertices.count, triangle_indices.len());
+    for indices in triangle_indices {
         let mut corners = [PlacedVertex::default(); 3];
-        for (corner, index) in corners.iter_mut().zip(triangle) {
+        for (corner, index) in corners.iter_mut().zip(indices) {
             *corner = placed.get(index, || vertices.place(index as usize, notes))?;
             let [min, max] = &mut tally.bounds;
             (*min, *max) = (min.min(corner.position), max.max(corner.position));
@@ -80,7 +81,7 @@ pub(super) fn part(
 
 /// Returns the three indices of each triangle that a mode (list, strip or fan) makes of `indices`, in the winding of
 /// its front.
-fn corners(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+fn triangle_indices(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
             // Every second triangle of a strip has the opposite winding.

@@ -269,7 +269,7 @@ fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usi
             continue;
         }
         let read = |accessor: Option<gltf::Accessor>, semantic: Semantic| {
-            accessor.map(|accessor| checked::<3>(data, &accessor, &semantic, count)).transpose()
+            accessor.map(|accessor| one_for_each_vertex::<3>(data, &accessor, &semantic, count)).transpose()
         };
         let positions = read(target.positions(), Semantic::Positions)?;
         let normals = read(target.normals(), Semantic::Normals)?;
@@ -300,11 +300,11 @@ fn attribute<'a, const N: usize>(
     semantic: Semantic,
     count: usize,
 ) -> Result<Option<Vectors<'a, N>>> {
-    primitive.get(&semantic).map(|accessor| checked(data, &accessor, &semantic, count)).transpose()
+    primitive.get(&semantic).map(|accessor| one_for_each_vertex(data, &accessor, &semantic, count)).transpose()
 }
 
 /// Reads the vectors of an accessor, which must have one vector for each of `count` vertices.
-fn checked<'a, const N: usize>(
+fn one_for_each_vertex<'a, const N: usize>(
     data: &'a Data,
     accessor: &gltf::Accessor,
     semantic: &Semantic,

@@ -4,7 +4,7 @@
 
 mod furnishing;
 
-use super::builder::{MeshBuilder, Rect};
+use super::builder::{MeshBuilder, Rect, ordered};
 use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, probe, thesis_lens, view};
 use crate::{Light, MaterialChange, Mesh, Scene, sky};
@@ -114,7 +114,7 @@ fn gallery_bays() -> impl Iterator<Item = [Vec2; 2]> {
 }
 
 /// Returns the four corners, at height `y`, of a horizontal rectangle from its least and its greatest corner (x, z).
-fn level(rectangle: [Vec2; 2], y: f32) -> [Vec3; 4] {
+fn corners_at_height(rectangle: [Vec2; 2], y: f32) -> [Vec3; 4] {
     let [min, max] = rectangle;
     [(min.x, min.y), (max.x, min.y), (max.x, max.y), (min.x, max.y)].map(|(x, z)| Vec3::new(x, y, z))
 }
@@ -125,10 +125,10 @@ fn floors() -> Vec<MeshBuilder> {
     let overlap = Vec2::splat(OVERLAP);
     let least = Vec2::new(LINES_X[0], LINES_Z[0]) - overlap;
     let most = Vec2::new(LINES_X[7], LINES_Z[3]) + overlap;
-    floor.polygon(&level([least, most], 0.0), Vec3::Y);
+    floor.polygon(&corners_at_height([least, most], 0.0), Vec3::Y);
     let mut upper = mesh("upper-floor", FLOOR);
     for bay in gallery_bays() {
-        upper.polygon(&level(bay, UPPER_FLOOR), Vec3::Y);
+        upper.polygon(&corners_at_height(bay, UPPER_FLOOR), Vec3::Y);
     }
     vec![floor, upper]
 }
@@ -154,7 +154,7 @@ fn outer_walls() -> Vec<MeshBuilder> {
         .collect();
     let mut outside = mesh("outside", BRICKS);
     let (x, z) = OUTSIDE;
-    outside.cuboid_but(Vec3::new(x[0], -1.26, z[0]), Vec3::new(x[1], 13.4, z[1]), &[Vec3::Y]);
+    outside.cuboid_without(Vec3::new(x[0], -1.26, z[0]), Vec3::new(x[1], 13.4, z[1]), &[Vec3::Y]);
     walls.push(outside);
     walls
 }
@@ -274,7 +274,7 @@ fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
 /// Builds the columns and corner piers of both storeys, and the slender columns between the upper arches.
 fn columns() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
-    let round = |name: &str, foot: Vec3, size: ColumnSize| {
+    let build_column = |name: &str, foot: Vec3, size: ColumnSize| {
         let mut stone = mesh(name, COLUMN);
         masonry::column(&mut stone, foot, &size);
         stone
@@ -284,13 +284,13 @@ fn columns() -> Vec<MeshBuilder> {
         let point = |distance: f32, y: f32| side.origin + distance * side.along + y * Vec3::Y;
         for &post in &side.posts[1..side.posts.len() - 1] {
             let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
-            parts.push(round("column", point(post, 0.0), lower));
+            parts.push(build_column("column", point(post, 0.0), lower));
             let upper = ColumnSize { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
-            parts.push(round("upper-column", point(post, PARAPET), upper));
+            parts.push(build_column("upper-column", point(post, PARAPET), upper));
         }
         for bay in side.posts.windows(2) {
             let slender = ColumnSize { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
-            parts.push(round("slender-column", point(0.5 * (bay[0] + bay[1]), PARAPET), slender));
+            parts.push(build_column("slender-column", point(0.5 * (bay[0] + bay[1]), PARAPET), slender));
         }
     }
     for (x, z) in [1, 6].into_iter().flat_map(|column| [1, 2].map(|row| (LINES_X[column], LINES_Z[row]))) {
@@ -321,16 +321,15 @@ fn upper_walls() -> Vec<MeshBuilder> {
         // The side's own direction is `right` or its opposite, so that distances along it may change their sign.
         let flip = right.dot(side.along);
         let face = side.origin - 0.5 * ARCADE_M * outward;
-        let rightwards = |distance: f32| distance * flip;
-        let ordered = |a: f32, b: f32| [rightwards(a).min(rightwards(b)), rightwards(a).max(rightwards(b))];
+        let range = |from: f32, to: f32| ordered(from * flip, to * flip);
         let holes: Vec<Rect> = side
             .posts
             .windows(2)
             .map(|bay| 0.5 * (bay[0] + bay[1]))
-            .map(|centre| Rect::new(ordered(centre - 0.45, centre + 0.45), [9.6, 10.9]))
+            .map(|centre| Rect::new(range(centre - 0.45, centre + 0.45), [9.6, 10.9]))
             .collect();
         let mut wall = mesh("court-wall", BRICKS);
-        let extent = Rect::new(ordered(first, last), [8.2, WALL_TOP]);
+        let extent = Rect::new(range(first, last), [8.2, WALL_TOP]);
         wall.panel([face, right, Vec3::Y], extent, &holes);
         let mut frames = mesh("court-windows", ARCH);
         for hole in &holes {
@@ -374,7 +373,7 @@ fn roof() -> Vec<MeshBuilder> {
     let mut eaves = mesh("eaves", POLE);
     // A sloping ring between two rectangles, each with its height.
     let slope = |mesh: &mut MeshBuilder, inner: f32, inner_y: f32, outer: f32, outer_y: f32, facing: Vec3| {
-        let (inner, outer) = (level(ring(inner), inner_y), level(ring(outer), outer_y));
+        let (inner, outer) = (corners_at_height(ring(inner), inner_y), corners_at_height(ring(outer), outer_y));
         for k in 0..4 {
             let next = (k + 1) % 4;
             mesh.polygon(&[inner[k], inner[next], outer[next], outer[k]], facing);
@@ -384,7 +383,7 @@ fn roof() -> Vec<MeshBuilder> {
     slope(&mut tiles, 0.45, 14.29, 1.0, 13.3, Vec3::Y);
     slope(&mut eaves, -0.08, 13.1, 0.06, 13.02, Vec3::NEG_Y);
     slope(&mut eaves, 0.94, 13.2, 1.0, 13.28, Vec3::NEG_Y);
-    let (low, high) = (level(ring(-0.08), 13.1), level(ring(-0.08), 13.3));
+    let (low, high) = (corners_at_height(ring(-0.08), 13.1), corners_at_height(ring(-0.08), 13.3));
     for k in 0..4 {
         let next = (k + 1) % 4;
         let facing = Vec3::new(-0.6, 13.2, 0.375) - 0.5 * (low[k] + low[next]);

@@ -91,11 +91,11 @@ impl MeshBuilder {
 
     /// Adds a box with its faces outwards, from its least to its greatest corner.
     pub fn cuboid(&mut self, min: Vec3, max: Vec3) {
-        self.cuboid_but(min, max, &[]);
+        self.cuboid_without(min, max, &[]);
     }
 
     /// Adds a box like [`Self::cuboid`], without the faces in the directions `open`.
-    pub fn cuboid_but(&mut self, min: Vec3, max: Vec3, open: &[Vec3]) {
+    pub fn cuboid_without(&mut self, min: Vec3, max: Vec3, open: &[Vec3]) {
         let (centre, half) = (0.5 * (min + max), 0.5 * (max - min));
         for (axis, b, c) in [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)] {
             for outward in [axis, -axis] {
@@ -153,16 +153,16 @@ impl MeshBuilder {
     /// gives the centre and the radius, in metres, for t from 0 to 1. `across` is any direction that the path never
     /// follows.
     pub fn tube(&mut self, steps: [u32; 2], across: Vec3, path: impl Fn(f32) -> (Vec3, f32)) {
-        let points: Vec<(Vec3, f32)> = (0..=16).map(|k| path(k as f32 / 16.0)).collect();
-        let length: f32 = points.windows(2).map(|pair| pair[0].0.distance(pair[1].0)).sum();
-        let thickest = points.iter().fold(0.0_f32, |greatest, &(_, radius)| greatest.max(radius));
+        let (centres, radii): (Vec<Vec3>, Vec<f32>) = (0..=16).map(|k| path(k as f32 / 16.0)).unzip();
+        let length: f32 = centres.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        let greatest_radius = radii.into_iter().fold(0.0, f32::max);
         self.surface(Vec3::ZERO, steps, |s, t| {
             let (centre, radius) = path(t);
             let along = (path(t + STEP).0 - path(t - STEP).0).normalize_or(Vec3::Y);
             let side = (across - along * along.dot(across)).normalize_or(along.any_orthonormal_vector());
             let (sin, cos) = (TAU * s).sin_cos();
             let out = cos * side + sin * side.cross(along);
-            (centre + radius * out, Vec2::new(s * TAU * thickest, t * length))
+            (centre + radius * out, Vec2::new(s * TAU * greatest_radius, t * length))
         });
     }
 
@@ -278,6 +278,11 @@ impl Rect {
     fn contains(&self, point: Vec2) -> bool {
         point.cmpgt(self.min).all() && point.cmplt(self.max).all()
     }
+}
+
+/// Returns the range between two numbers, the lesser first.
+pub fn ordered(a: f32, b: f32) -> [f32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// Returns the axes of a plane; up points towards +y, or towards +z if the plane is horizontal.

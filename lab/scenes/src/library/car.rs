@@ -1,6 +1,6 @@
 //! A parked car: the obstacle that blocks reflections in the street (Schmidt 2013, figures 32, 41 and 47).
 
-use super::builder::MeshBuilder;
+use super::builder::{MeshBuilder, ordered};
 use glam::{Vec2, Vec3};
 use ssct_ground::math::noise::smoothstep;
 
@@ -14,7 +14,7 @@ pub struct Materials {
 }
 
 /// The names of a car's meshes.
-pub const PARTS: [&str; 5] = ["car-body", "car-glass", "car-dark", "car-chrome", "car-tail-lamps"];
+pub const MESH_NAMES: [&str; 5] = ["car-body", "car-glass", "car-dark", "car-chrome", "car-tail-lamps"];
 /// Width (x), height (y) and length (z) of the bounding box in metres.
 pub const SIZE: Vec3 = Vec3::new(1.80, 1.46, 4.36);
 
@@ -25,9 +25,9 @@ const AXLES: [f32; 2] = [-1.32, 1.36];
 
 /// Builds a car whose front points to +z; `ground` is the point on the ground below its middle.
 pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
-    let mesh = |part: usize, material: usize| MeshBuilder::new(PARTS[part], material, 1.0);
+    let mesh = |part: usize, material: usize| MeshBuilder::new(MESH_NAMES[part], material, 1.0);
     let mut body = mesh(0, materials.paint);
-    hull(&mut body, ground, [40, 26], lower);
+    hull(&mut body, ground, [40, 26], lower_body);
     hull(&mut body, ground, [28, 8], roof);
     pillars(&mut body, ground);
     for side in [-1.0, 1.0] {
@@ -46,22 +46,22 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
         }
     }
     // Adds a box with these ranges, in metres from `ground`, to each side of the car; the two are mirror images.
-    let ends = |mesh: &mut MeshBuilder, z: [f32; 2], x: [f32; 2], y: [f32; 2]| {
+    let boxes_on_both_sides = |mesh: &mut MeshBuilder, z: [f32; 2], x: [f32; 2], y: [f32; 2]| {
         for side in [-1.0, 1.0] {
-            let [x0, x1] = x.map(|x| side * x);
-            mesh.cuboid(ground + Vec3::new(x0.min(x1), y[0], z[0]), ground + Vec3::new(x0.max(x1), y[1], z[1]));
+            let [left, right] = ordered(side * x[0], side * x[1]);
+            mesh.cuboid(ground + Vec3::new(left, y[0], z[0]), ground + Vec3::new(right, y[1], z[1]));
         }
     };
-    ends(&mut chrome, [2.05, 2.16], [0.42, 0.70], [0.62, 0.76]);
-    ends(&mut chrome, [2.10, 2.20], [0.0, 0.74], [0.38, 0.46]);
-    ends(&mut chrome, [-2.21, -2.10], [0.0, 0.74], [0.42, 0.50]);
-    ends(&mut dark, [2.05, 2.165], [0.0, 0.36], [0.56, 0.72]);
+    boxes_on_both_sides(&mut chrome, [2.05, 2.16], [0.42, 0.70], [0.62, 0.76]);
+    boxes_on_both_sides(&mut chrome, [2.10, 2.20], [0.0, 0.74], [0.38, 0.46]);
+    boxes_on_both_sides(&mut chrome, [-2.21, -2.10], [0.0, 0.74], [0.42, 0.50]);
+    boxes_on_both_sides(&mut dark, [2.05, 2.165], [0.0, 0.36], [0.56, 0.72]);
     // Two door handles on each side.
     for z in [-0.55, 0.35] {
-        ends(&mut chrome, [z - 0.09, z + 0.09], [0.86, 0.905], [0.80, 0.83]);
+        boxes_on_both_sides(&mut chrome, [z - 0.09, z + 0.09], [0.86, 0.905], [0.80, 0.83]);
     }
     let mut lamps = mesh(4, materials.tail_lamp);
-    ends(&mut lamps, [-2.17, -2.02], [0.46, 0.76], [0.66, 0.82]);
+    boxes_on_both_sides(&mut lamps, [-2.17, -2.02], [0.46, 0.76], [0.66, 0.82]);
     vec![body, glass, dark, chrome, lamps]
 }
 
@@ -95,15 +95,15 @@ fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(
     }
 }
 
-/// Returns 1 for t in the middle of 0…1; at both ends, over a width of `by`, the result falls to 0 along a quarter
+/// Returns 1 for t in the middle of 0…1; at both ends, over the width `width`, the result falls to 0 along a quarter
 /// circle.
-fn rounded(t: f32, by: f32) -> f32 {
-    let near = (t.min(1.0 - t) / by).clamp(0.0, 1.0);
+fn rounded(t: f32, width: f32) -> f32 {
+    let near = (t.min(1.0 - t) / width).clamp(0.0, 1.0);
     (1.0 - (1.0 - near).powi(2)).max(0.0).sqrt()
 }
 
 /// Returns the cross-section of the body below the windows, for t from 0 (the rear) to 1 (the front).
-fn lower(t: f32) -> Section {
+fn lower_body(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let end = rounded(t, 0.10);
     let z = HALF_LENGTH * (2.0 * t - 1.0);

@@ -2,8 +2,8 @@
 //! figures 33, 50 and 51c). For a correction of parallax, the pillars and aisles cannot be approximated by a single
 //! box.
 
-use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, centred_rect, standing};
+use super::builder::{MeshBuilder, Rect, ordered};
+use super::fittings::{Face, centred_rect, standing_rect};
 use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, probe, thesis_lens, view};
 use crate::{Light, Mesh, Scene};
@@ -77,21 +77,21 @@ const ROSE_M: f32 = 5.2;
 /// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
-    let parts = [floors(), arcades(), outer_walls(), ends(), vaults(), pews(), choir(), glass()];
+    let parts = [floors(), arcades(), outer_walls(), end_walls(), vaults(), pews(), choir(), windows()];
     let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
     let mut lights = Vec::new();
-    let mut point = |x: f32, y: f32, z: f32, energy: f32| {
+    let mut add_light = |x: f32, y: f32, z: f32, energy: f32| {
         lights.push(Light::Point { position: Vec3::new(x, y, z), energy });
     };
     for bay in 0..BAYS {
-        point(0.0, 9.0, (bay as f32 + 0.5) * BAY_M, 13.0);
+        add_light(0.0, 9.0, (bay as f32 + 0.5) * BAY_M, 13.0);
     }
     for z in [5.0, 15.0, 25.0] {
-        point(6.6, 3.4, z, 7.0);
-        point(-6.6, 3.4, z, 7.0);
+        add_light(6.6, 3.4, z, 7.0);
+        add_light(-6.6, 3.4, z, 7.0);
     }
-    point(0.0, ROSE_Y - 1.0, CHOIR_END - 3.2, 12.0);
-    point(0.0, 4.0, CHOIR_END - 2.4, 5.0);
+    add_light(0.0, ROSE_Y - 1.0, CHOIR_END - 3.2, 12.0);
+    add_light(0.0, 4.0, CHOIR_END - 2.4, 5.0);
     let (nave_min, nave_max) = ([-NAVE_X, 0.0, 0.0], [NAVE_X, TOP, CHOIR_END]);
     let mut scene = Scene {
         name: "cathedral".to_owned(),
@@ -131,7 +131,7 @@ fn nave_walls() -> [Face; 2] {
 }
 
 /// Returns the face of the wall behind the choir that is seen from the nave.
-fn east() -> Face {
+fn east_wall() -> Face {
     Face::new([0.0, 0.0, CHOIR_END], Vec3::X)
 }
 
@@ -177,8 +177,7 @@ fn arcades() -> Vec<MeshBuilder> {
     }
     // A horizontal moulding runs along both walls above the arches.
     for face in nave_walls() {
-        let ends = [0.0, CHOIR_END * face.right.z];
-        let span = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let span = ordered(0.0, CHOIR_END * face.right.z);
         face.block(&mut stone, Rect::new(span, [6.55, 6.75]), [-0.05, 0.12]);
     }
     vec![wall, stone]
@@ -190,23 +189,19 @@ fn outer_walls() -> Vec<MeshBuilder> {
     let mut stone = mesh("wall-mouldings", PILLAR);
     for side in [-1.0, 1.0] {
         let face = Face::new([side * OUTER_X, 0.0, 0.0], -side * Vec3::Z);
-        // The range along the face, in order, between two z; the face's right is +z or −z.
-        let ordered = |from_z: f32, to_z: f32| {
-            let [from, to] = [from_z, to_z].map(|z| z * face.right.z);
-            [from.min(to), from.max(to)]
-        };
-        face.wall(&mut wall, Rect::new(ordered(0.0, NAVE_END), [0.0, 6.8]), &[]);
-        face.block(&mut stone, Rect::new(ordered(0.0, NAVE_END), [0.0, 0.35]), [0.0, 0.12]);
+        // The range along the face between two z; the face's right is +z or −z.
+        let range = |from_z: f32, to_z: f32| ordered(from_z * face.right.z, to_z * face.right.z);
+        face.wall(&mut wall, Rect::new(range(0.0, NAVE_END), [0.0, 6.8]), &[]);
+        face.block(&mut stone, Rect::new(range(0.0, NAVE_END), [0.0, 0.35]), [0.0, 0.12]);
         for pillar in 0..=BAYS {
             let middle = pillar as f32 * BAY_M * face.right.z;
-            face.block(&mut stone, standing(middle, 0.5, AISLE_SPRING), [-0.1, 0.22]);
+            face.block(&mut stone, standing_rect(middle, 0.5, AISLE_SPRING), [-0.1, 0.22]);
         }
         let choir = Face::new([side * NAVE_X, 0.0, 0.0], -side * Vec3::Z);
-        choir.wall(&mut wall, Rect::new(ordered(NAVE_END, CHOIR_END), [0.0, TOP]), &[]);
+        choir.wall(&mut wall, Rect::new(range(NAVE_END, CHOIR_END), [0.0, TOP]), &[]);
         let mut aisle_end = |z: f32, right: Vec3| {
-            let (from, to) = (side * NAVE_X * right.x, side * (OUTER_X + OVERLAP) * right.x);
-            let end = Face::new([0.0, 0.0, z], right);
-            end.wall(&mut wall, Rect::new([from.min(to), from.max(to)], [0.0, 6.8]), &[]);
+            let span = ordered(side * NAVE_X * right.x, side * (OUTER_X + OVERLAP) * right.x);
+            Face::new([0.0, 0.0, z], right).wall(&mut wall, Rect::new(span, [0.0, 6.8]), &[]);
         };
         aisle_end(0.0, Vec3::NEG_X);
         aisle_end(NAVE_END, Vec3::X);
@@ -215,17 +210,17 @@ fn outer_walls() -> Vec<MeshBuilder> {
 }
 
 /// Builds the west and east walls of the nave, and the west door.
-fn ends() -> Vec<MeshBuilder> {
+fn end_walls() -> Vec<MeshBuilder> {
     let mut wall = mesh("end-walls", WALL);
     let across = Rect::new([-ARCADE_X - 0.4, ARCADE_X + 0.4], [0.0, TOP]);
-    east().wall(&mut wall, across, &[]);
+    east_wall().wall(&mut wall, across, &[]);
     let west = Face::new([0.0, 0.0, 0.0], Vec3::NEG_X);
     west.wall(&mut wall, across, &[]);
     let mut stone = mesh("portal", PILLAR);
-    west.border(&mut stone, standing(0.0, 2.4, 3.4), 0.3, [-0.1, 0.15]);
+    west.border(&mut stone, standing_rect(0.0, 2.4, 3.4), 0.3, [-0.1, 0.15]);
     let mut door = mesh("door", PEW).turned();
     for half in [-0.6, 0.6] {
-        west.block(&mut door, standing(half, 1.18, 3.4), [-0.1, 0.06]);
+        west.block(&mut door, standing_rect(half, 1.18, 3.4), [-0.1, 0.06]);
         west.border(&mut door, centred_rect(half, 1.7, 0.7, 2.6), 0.06, [0.0, 0.09]);
     }
     vec![wall, stone, door]
@@ -235,17 +230,17 @@ fn ends() -> Vec<MeshBuilder> {
 fn vaults() -> Vec<MeshBuilder> {
     let mut vault = mesh("vaults", VAULT);
     let mut ribs = mesh("ribs", PILLAR);
-    let mut bay = |x: [f32; 2], z: [f32; 2], spring: f32, rise: f32| {
+    let mut add_bay = |x: [f32; 2], z: [f32; 2], spring: f32, rise: f32| {
         masonry::groin_vault(&mut vault, [Vec2::new(x[0], z[0]), Vec2::new(x[1], z[1])], spring, rise, [20, 2]);
     };
     for number in 0..BAYS {
         let z = [number as f32 * BAY_M, (number + 1) as f32 * BAY_M];
-        bay([-ARCADE_X, ARCADE_X], z, NAVE_SPRING, NAVE_RISE);
-        bay([-OUTER_X, -ARCADE_X], z, AISLE_SPRING, 1.9);
-        bay([ARCADE_X, OUTER_X], z, AISLE_SPRING, 1.9);
+        add_bay([-ARCADE_X, ARCADE_X], z, NAVE_SPRING, NAVE_RISE);
+        add_bay([-OUTER_X, -ARCADE_X], z, AISLE_SPRING, 1.9);
+        add_bay([ARCADE_X, OUTER_X], z, AISLE_SPRING, 1.9);
     }
-    bay([-ARCADE_X, ARCADE_X], [NAVE_END, CHOIR_END], NAVE_SPRING, NAVE_RISE);
-    let mut rib = |x: [f32; 2], z: f32, spring: f32, rise: f32| {
+    add_bay([-ARCADE_X, ARCADE_X], [NAVE_END, CHOIR_END], NAVE_SPRING, NAVE_RISE);
+    let mut add_rib = |x: [f32; 2], z: f32, spring: f32, rise: f32| {
         let line = Wall { origin: z * Vec3::Z, along: Vec3::X, thickness_m: 0.34 };
         let arch = Arch {
             centre_m: 0.5 * (x[0] + x[1]),
@@ -258,10 +253,10 @@ fn vaults() -> Vec<MeshBuilder> {
     };
     for number in 1..=BAYS {
         let z = number as f32 * BAY_M;
-        rib([-NAVE_X, NAVE_X], z, NAVE_SPRING, NAVE_RISE);
+        add_rib([-NAVE_X, NAVE_X], z, NAVE_SPRING, NAVE_RISE);
         if number < BAYS {
-            rib([-OUTER_X, -ARCADE_X - 0.3], z, AISLE_SPRING, 1.9);
-            rib([ARCADE_X + 0.3, OUTER_X], z, AISLE_SPRING, 1.9);
+            add_rib([-OUTER_X, -ARCADE_X - 0.3], z, AISLE_SPRING, 1.9);
+            add_rib([ARCADE_X + 0.3, OUTER_X], z, AISLE_SPRING, 1.9);
         }
     }
     vec![vault, ribs]
@@ -273,8 +268,7 @@ fn pews() -> Vec<MeshBuilder> {
     for row in 0..9 {
         let z = 7.0 + 1.15 * row as f32;
         for side in [-1.0_f32, 1.0] {
-            let x = [side * 1.25, side * 3.35];
-            let (left, right) = (x[0].min(x[1]), x[0].max(x[1]));
+            let [left, right] = ordered(side * 1.25, side * 3.35);
             wood.cuboid(Vec3::new(left, 0.42, z), Vec3::new(right, 0.47, z + 0.42));
             wood.cuboid(Vec3::new(left, 0.42, z - 0.05), Vec3::new(right, 0.92, z));
             for end in [left, right] {
@@ -337,13 +331,13 @@ fn lancets() -> Vec<Window> {
         add(wall, NAVE_END + 3.5, 8.0, 4.4, side, "choir-side");
     }
     for (number, x) in [-1.9, 0.0, 1.9].into_iter().enumerate() {
-        add(east(), x, 3.9, if number == 1 { 3.6 } else { 3.0 }, number + 1, "east");
+        add(east_wall(), x, 3.9, if number == 1 { 3.6 } else { 3.0 }, number + 1, "east");
     }
     all
 }
 
 /// Builds the rose and the lancets, each as a pane just in front of its wall; the lancets have sills of stone.
-fn glass() -> Vec<MeshBuilder> {
+fn windows() -> Vec<MeshBuilder> {
     let mut stone = mesh("window-sills", PILLAR);
     let mut parts = Vec::new();
     for window in lancets() {
@@ -355,7 +349,7 @@ fn glass() -> Vec<MeshBuilder> {
         parts.push(pane);
     }
     let mut rose = mesh("rose", ROSE);
-    east().picture(&mut rose, rose_rect(), 0.03);
+    east_wall().picture(&mut rose, rose_rect(), 0.03);
     parts.extend([rose, stone]);
     parts
 }
@@ -368,7 +362,7 @@ fn rose_rect() -> Rect {
 /// Returns the name of the mesh and the frame of each impostor: the rose, the lancets below it, and the clerestory
 /// windows of the two bays in front of the choir.
 fn impostors() -> Vec<(String, ssct_geometry::impostor_image::ImpostorFrame)> {
-    let mut all = vec![("rose".to_owned(), east().portrait("rose", rose_rect(), 0.03, 512))];
+    let mut all = vec![("rose".to_owned(), east_wall().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {
         let middle = window.wall.point_at(window.rect.min.x, 0.0, 0.0).z;
         let kind = if window.name.starts_with("east") {

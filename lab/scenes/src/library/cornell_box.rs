@@ -4,7 +4,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::{Finish, materials, probe, view};
-use crate::{AreaLight, AreaShape, FieldOfView, Lens, Light, Scene, View};
+use crate::{AreaLight, AreaShape, FieldOfView, Lens, Light, Scene};
 use glam::{Vec2, Vec3};
 
 // Indices of materials in `FINISHES`.
@@ -25,9 +25,9 @@ const WIDTH: f32 = 5.56;
 const HEIGHT: f32 = 5.488;
 const DEPTH: f32 = 5.592;
 /// The x and z ranges of the lamp, in metres.
-const LAMP_AT: ([f32; 2], [f32; 2]) = ([2.13, 3.43], [2.27, 3.32]);
+const LAMP_RANGES: ([f32; 2], [f32; 2]) = ([2.13, 3.43], [2.27, 3.32]);
 /// Distance of the lamp below the ceiling, and of its light below the lamp, in metres.
-const BELOW: f32 = 0.005;
+const LAMP_GAP: f32 = 0.005;
 /// The corners of the two blocks on the floor (x and z), and the heights of the blocks, in metres.
 const BLOCKS: [([[f32; 2]; 4], f32); 2] = [
     ([[4.26, 0.65], [4.74, 2.25], [3.16, 2.72], [2.66, 1.14]], 1.65),
@@ -40,9 +40,10 @@ pub fn scene() -> Scene {
     materials[LAMP].emission = 1.0;
     let meshes = shell().into_iter().chain([blocks(), lamp()]).map(MeshBuilder::build).collect();
     // The middle and half the extent of the lamp in x and z.
-    let [(x, half_x), (z, half_z)] = [LAMP_AT.0, LAMP_AT.1].map(|[low, high]| (0.5 * (low + high), 0.5 * (high - low)));
+    let [(x, half_x), (z, half_z)] =
+        [LAMP_RANGES.0, LAMP_RANGES.1].map(|[low, high]| (0.5 * (low + high), 0.5 * (high - low)));
     let lamp = AreaShape::Rectangle {
-        centre: Vec3::new(x, HEIGHT - 2.0 * BELOW, z),
+        centre: Vec3::new(x, HEIGHT - 2.0 * LAMP_GAP, z),
         half_u: half_x * Vec3::X,
         half_v: half_z * Vec3::Z,
     };
@@ -55,7 +56,7 @@ pub fn scene() -> Scene {
         lights: vec![Light::Point { position: Vec3::new(x, HEIGHT - 0.3, z), energy: 6.0 }],
         area_lights: vec![AreaLight { shape: lamp, radiance: Vec3::new(26.0, 21.0, 14.0) }],
         lens: Lens { opening: FieldOfView::Angle(39.3_f32.to_radians()), ..Lens::default() },
-        views: vec![View { ..view("box", [2.78, 2.73, -8.0], [2.78, 2.73, 2.8]) }],
+        views: vec![view("box", [2.78, 2.73, -8.0], [2.78, 2.73, 2.8])],
         probes: vec![probe("front", [2.78, 4.4, 1.5], min, max), probe("back", [4.5, 3.0, 4.5], min, max)],
         ..Scene::default()
     }
@@ -102,9 +103,9 @@ fn blocks() -> MeshBuilder {
 
 /// Builds the lamp, a rectangle whose material emits light.
 fn lamp() -> MeshBuilder {
-    let ([left, right], [near, far]) = LAMP_AT;
+    let ([left, right], [near, far]) = LAMP_RANGES;
     let corners = [[left, near], [right, near], [right, far], [left, far]];
     let mut lamp = mesh("lamp", LAMP);
-    lamp.polygon(&corners.map(|[x, z]| Vec3::new(x, HEIGHT - BELOW, z)), Vec3::NEG_Y);
+    lamp.polygon(&corners.map(|[x, z]| Vec3::new(x, HEIGHT - LAMP_GAP, z)), Vec3::NEG_Y);
     lamp
 }

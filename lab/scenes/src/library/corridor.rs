@@ -2,8 +2,8 @@
 //! maps (2013, section 5.2.2). Doors, lamps and pictures break its symmetry, so that a shifted or mirrored cube map is
 //! noticed.
 
-use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, centred_rect, standing};
+use super::builder::{MeshBuilder, Rect, ordered};
+use super::fittings::{Face, centred_rect, standing_rect};
 use super::{Finish, materials, probe, thesis_lens, view};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::Vec3;
@@ -91,7 +91,7 @@ const END_WINDOW: ([f32; 2], [f32; 2]) = ([-0.75, 0.75], [0.85, 2.05]);
 /// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
-    let parts = [shell(), doors(), lamps(), things()];
+    let parts = [shell(), doors(), lamps(), furnishings()];
     let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
     let (min, max) = ([-HALF_WIDTH, 0.0, 0.0], [HALF_WIDTH, HEIGHT, LENGTH]);
     let mut scene = Scene {
@@ -118,12 +118,12 @@ pub fn scene() -> Scene {
     impostor_image::add(
         &mut scene,
         &["landscape"],
-        &right.portrait("landscape", along(&right, 13.5, 1.7, 1.5, 1.0), 0.05, 384),
+        &right.portrait("landscape", rect_on_wall(&right, 13.5, 1.7, 1.5, 1.0), 0.05, 384),
     );
     impostor_image::add(
         &mut scene,
         &["portrait"],
-        &left.portrait("portrait", along(&left, 14.5, 1.72, 0.8, 1.0), 0.05, 256),
+        &left.portrait("portrait", rect_on_wall(&left, 14.5, 1.72, 0.8, 1.0), 0.05, 256),
     );
     scene
 }
@@ -139,7 +139,7 @@ fn walls() -> [Face; 2] {
 }
 
 /// Returns a rectangle on one of the walls, given by the z and the height of its centre and by its size, in metres.
-fn along(wall: &Face, z: f32, y: f32, width: f32, height: f32) -> Rect {
+fn rect_on_wall(wall: &Face, z: f32, y: f32, width: f32, height: f32) -> Rect {
     centred_rect(z * wall.right.z, y, width, height)
 }
 
@@ -154,9 +154,8 @@ fn shell() -> Vec<MeshBuilder> {
     let mut dado = mesh("dado", DADO);
     let mut trim = mesh("trim", TRIM);
     for (wall, doors) in walls().into_iter().zip(DOORS) {
-        let ends = [0.0, LENGTH * wall.right.z];
-        let extent = Rect::new([ends[0].min(ends[1]), ends[0].max(ends[1])], [0.0, HEIGHT]);
-        let holes: Vec<Rect> = doors.iter().map(|z| standing(z * wall.right.z, DOOR_M[0], DOOR_M[1])).collect();
+        let extent = Rect::new(ordered(0.0, LENGTH * wall.right.z), [0.0, HEIGHT]);
+        let holes: Vec<Rect> = doors.iter().map(|z| standing_rect(z * wall.right.z, DOOR_M[0], DOOR_M[1])).collect();
         wall.wall(&mut plaster, extent, &holes);
         // Boards run between the door frames. Their ends are listed from left to right.
         let mut edges: Vec<f32> = holes.iter().flat_map(|hole| [hole.min.x - 0.09, hole.max.x + 0.09]).collect();
@@ -164,9 +163,10 @@ fn shell() -> Vec<MeshBuilder> {
         edges.insert(0, extent.min.x);
         edges.push(extent.max.x);
         for span in edges.chunks_exact(2) {
-            wall.block(&mut dado, Rect::new([span[0], span[1]], [0.1, DADO_TOP]), [0.0, 0.02]);
-            wall.block(&mut trim, Rect::new([span[0], span[1]], [DADO_TOP, DADO_TOP + 0.05]), [0.0, 0.04]);
-            wall.block(&mut trim, Rect::new([span[0], span[1]], [0.0, 0.1]), [0.0, 0.03]);
+            let board = |heights: [f32; 2]| Rect::new([span[0], span[1]], heights);
+            wall.block(&mut dado, board([0.1, DADO_TOP]), [0.0, 0.02]);
+            wall.block(&mut trim, board([DADO_TOP, DADO_TOP + 0.05]), [0.0, 0.04]);
+            wall.block(&mut trim, board([0.0, 0.1]), [0.0, 0.03]);
         }
     }
     let far = Face::new([0.0, 0.0, LENGTH], Vec3::X);
@@ -193,7 +193,7 @@ fn doors() -> Vec<MeshBuilder> {
     for (wall, doors) in walls().into_iter().zip(DOORS) {
         for z in doors {
             let middle = z * wall.right.z;
-            let hole = standing(middle, DOOR_M[0], DOOR_M[1]);
+            let hole = standing_rect(middle, DOOR_M[0], DOOR_M[1]);
             wall.reveals(&mut frames, hole, 0.12);
             for side in [-1.0, 1.0] {
                 let edge = middle + side * (0.5 * DOOR_M[0] + 0.045);
@@ -251,15 +251,15 @@ fn exit_rect() -> Rect {
 }
 
 /// Builds paintings, the exit sign that hangs across the corridor, a bench and a fire extinguisher.
-fn things() -> Vec<MeshBuilder> {
+fn furnishings() -> Vec<MeshBuilder> {
     let [left, right] = walls();
     let mut frames = mesh("picture-frames", DOOR);
     let mut parts = Vec::new();
     // The wall, the mesh's name, the material and the rectangle of each painting.
     let hung = [
-        (right, "landscape", PAINTING, along(&right, 13.5, 1.7, 1.5, 1.0)),
-        (left, "ship", PAINTING + 1, along(&left, 7.5, 1.7, 1.5, 1.0)),
-        (left, "portrait", PAINTING + 2, along(&left, 14.5, 1.72, 0.8, 1.0)),
+        (right, "landscape", PAINTING, rect_on_wall(&right, 13.5, 1.7, 1.5, 1.0)),
+        (left, "ship", PAINTING + 1, rect_on_wall(&left, 7.5, 1.7, 1.5, 1.0)),
+        (left, "portrait", PAINTING + 2, rect_on_wall(&left, 14.5, 1.72, 0.8, 1.0)),
     ];
     for (wall, name, material, rect) in hung {
         let mut painting = mesh(name, material);
@@ -269,22 +269,19 @@ fn things() -> Vec<MeshBuilder> {
     }
     let mut exit = mesh("exit", EXIT);
     exit_face().picture(&mut exit, exit_rect(), 0.0);
-    let behind = Face::new([0.0, 0.0, exit_face().origin.z + 0.02], Vec3::NEG_X);
+    let back_face = Face::new([0.0, 0.0, exit_face().origin.z + 0.02], Vec3::NEG_X);
     let mut back = mesh("exit-back", EXIT);
-    behind.picture(&mut back, centred_rect(-0.72, 2.42, 0.72, 0.24), 0.0);
+    back_face.picture(&mut back, centred_rect(-0.72, 2.42, 0.72, 0.24), 0.0);
     let mut rods = mesh("exit-rods", METAL);
     for offset in [-0.28, 0.28] {
         let top = exit_face().point_at(0.72 + offset, HEIGHT, -0.005);
         rods.cuboid(top - Vec3::new(0.01, HEIGHT - 2.5, 0.0), top + Vec3::new(0.01, 0.0, 0.01));
     }
     let mut bench = mesh("bench", DOOR);
-    // The legs and the seat of the bench: range of heights, and range in x.
-    for (low, high, x) in [(0.0, 0.42, [0.92, 1.22]), (0.42, 0.47, [0.86, 1.27])] {
-        let z_ranges = if low == 0.0 { [[12.8, 12.9], [14.1, 14.2]].to_vec() } else { [[12.6, 14.4]].to_vec() };
-        for z in z_ranges {
-            bench.cuboid(Vec3::new(x[0], low, z[0]), Vec3::new(x[1], high, z[1]));
-        }
-    }
+    // The two legs of the bench, then its seat.
+    bench.cuboid(Vec3::new(0.92, 0.0, 12.8), Vec3::new(1.22, 0.42, 12.9));
+    bench.cuboid(Vec3::new(0.92, 0.0, 14.1), Vec3::new(1.22, 0.42, 14.2));
+    bench.cuboid(Vec3::new(0.86, 0.42, 12.6), Vec3::new(1.27, 0.47, 14.4));
     let mut red = mesh("extinguisher", RED);
     red.cylinder(Vec3::new(-1.16, 0.35, 9.2), 0.085, 0.5, 24);
     red.sphere(Vec3::new(-1.16, 0.85, 9.2), 0.085, [24, 12]);

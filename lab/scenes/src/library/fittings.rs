@@ -4,9 +4,8 @@ use super::builder::{MeshBuilder, Rect};
 use glam::{Vec2, Vec3};
 use ssct_geometry::impostor_image::ImpostorFrame;
 
-/// The face of an upright wall along x or z. A point of it is given by its metres to the right of the origin, as seen
-/// from the front, its height, and its distance out of the wall. The first number is called `a`, and is the x of a
-/// [`Rect`].
+/// The face of an upright wall along x or z. A point of the face is given by its metres to the right of the origin, as
+/// seen from the front, and by its height: the x and the y of a [`Rect`].
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
     /// A point of the face at height 0.
@@ -26,10 +25,10 @@ impl Face {
         Vec3::Y.cross(self.right)
     }
 
-    /// Returns the world-space point `a` metres to the right of the origin, at the height `y`, `out` metres out of the
+    /// Returns the world-space point `x` metres to the right of the origin, at the height `y`, `out` metres out of the
     /// wall.
-    pub fn point_at(&self, a: f32, y: f32, out: f32) -> Vec3 {
-        self.origin + a * self.right + y * Vec3::Y + out * self.outward()
+    pub fn point_at(&self, x: f32, y: f32, out: f32) -> Vec3 {
+        self.origin + x * self.right + y * Vec3::Y + out * self.outward()
     }
 
     /// Adds the face itself, with openings.
@@ -99,13 +98,13 @@ impl Face {
     }
 }
 
-/// Makes a rectangle from its centre, `a` to the right and `y` up, and its size, in metres.
-pub fn centred_rect(a: f32, y: f32, width: f32, height: f32) -> Rect {
+/// Makes a rectangle from the x and y of its centre and its size, in metres.
+pub fn centred_rect(x: f32, y: f32, width: f32, height: f32) -> Rect {
     let half = 0.5 * Vec2::new(width, height);
-    Rect { min: Vec2::new(a, y) - half, max: Vec2::new(a, y) + half }
+    Rect { min: Vec2::new(x, y) - half, max: Vec2::new(x, y) + half }
 }
 
-/// Makes a rectangle that stands on the ground, from the `a` of its middle, its width and its height, in metres.
-pub fn standing(a: f32, width: f32, height: f32) -> Rect {
-    Rect::new([a - 0.5 * width, a + 0.5 * width], [0.0, height])
+/// Makes a rectangle that stands on the ground, from the x of its middle, its width and its height, in metres.
+pub fn standing_rect(x: f32, width: f32, height: f32) -> Rect {
+    Rect::new([x - 0.5 * width, x + 0.5 * width], [0.0, height])
 }

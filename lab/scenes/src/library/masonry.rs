@@ -7,8 +7,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// The number of straight pieces in an arch.
 const ARCH_STEPS: u32 = 20;
 
-/// An upright wall. A point of it is given by its metres along the wall from `origin`, called `a`, and its height above
-/// `origin`.
+/// An upright wall. A point of it is given by its metres along the wall from `origin` and its height above `origin`.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
     /// A point in the middle of the wall's thickness, at height 0.

@@ -3,7 +3,7 @@
 //! polished wall beside it.
 
 use super::builder::{MeshBuilder, Rect};
-use super::fittings::{Face, centred_rect, standing};
+use super::fittings::{Face, centred_rect, standing_rect};
 use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, probe, skeleton, thesis_lens, view};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
@@ -82,7 +82,7 @@ const LAMP_RADIUS: f32 = 0.2;
 /// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
-    let parts = [shell(), skylight(), paintings(), exit(), exhibits(), lamps(), furniture()];
+    let parts = [shell(), skylight(), paintings(), exit_door(), exhibits(), lamps(), furniture()];
     let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
     let light_below = |[x, z]: [f32; 2]| Light::Point { position: Vec3::new(x, LAMP_Y - 0.6, z), energy: 7.0 };
     let mut lights = LAMPS.map(light_below).to_vec();
@@ -130,7 +130,7 @@ pub fn scene() -> Scene {
         ..Scene::default()
     };
     impostor_image::add(&mut scene, &["exit-sign"], &right_wall().portrait("exit sign", exit_rect(), 0.12, 384));
-    for painting in hung().iter().take(6) {
+    for painting in hung_paintings().iter().take(6) {
         let mesh = format!("{}-{}", painting.name, painting.number);
         let frame = painting.wall.portrait(painting.name, painting.rect, 0.05, 256);
         impostor_image::add(&mut scene, &[&mesh], &frame);
@@ -159,7 +159,7 @@ fn end_wall() -> Face {
 }
 
 /// Returns the face of the partition wall that is seen from the first hall.
-fn partition() -> Face {
+fn partition_face() -> Face {
     Face::new([0.0, 0.0, PARTITION_Z - 0.5 * PARTITION_M], Vec3::X)
 }
 
@@ -177,7 +177,7 @@ fn shell() -> Vec<MeshBuilder> {
     let mut walls = mesh("walls", WALL);
     let mut stone = mesh("mouldings", STONE);
     let heights = [0.0, HEIGHT];
-    let door = standing(-DOOR_Z, 1.5, 2.3);
+    let door = standing_rect(-DOOR_Z, 1.5, 2.3);
     let first_end = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
     // Each wall with its extent along itself and its door.
     let sides = [
@@ -199,10 +199,10 @@ fn shell() -> Vec<MeshBuilder> {
             wall.block(&mut stone, Rect::new(foot, [0.0, 0.16]), [0.0, 0.03]);
         }
     }
-    let between = Wall { origin: PARTITION_Z * Vec3::Z, along: Vec3::X, thickness_m: PARTITION_M };
-    masonry::arched_wall(&mut walls, &between, x, heights, &[ARCH]);
-    masonry::soffit(&mut stone, &between, &ARCH, 0.0);
-    masonry::archivolt(&mut stone, &between, &ARCH, 0.22, 0.04);
+    let partition = Wall { origin: PARTITION_Z * Vec3::Z, along: Vec3::X, thickness_m: PARTITION_M };
+    masonry::arched_wall(&mut walls, &partition, x, heights, &[ARCH]);
+    masonry::soffit(&mut stone, &partition, &ARCH, 0.0);
+    masonry::archivolt(&mut stone, &partition, &ARCH, 0.22, 0.04);
     for side in [-1.0, 1.0] {
         let edge = ARCH.centre_m + side * (ARCH.half_width_m + 0.11);
         let jamb = Vec3::new(0.11, 0.0, 0.5 * PARTITION_M + 0.04);
@@ -244,7 +244,7 @@ struct HungPainting {
 }
 
 /// Lists all paintings. The first six hang in the first hall and have impostors.
-fn hung() -> Vec<HungPainting> {
+fn hung_paintings() -> Vec<HungPainting> {
     let (left, right) = (left_wall(), right_wall());
     let from_second = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
     // The index of the image, the wall, the z of the middle (or, on a wall along x, the x), its height, and the width.
@@ -254,7 +254,7 @@ fn hung() -> Vec<HungPainting> {
         (3, left, 0.6, 1.9, 1.2),
         (1, right, -6.0, 1.9, 2.4),
         (2, right, -2.4, 1.9, 1.8),
-        (1, partition(), 3.2, 1.9, 2.1),
+        (1, partition_face(), 3.2, 1.9, 2.1),
         (3, end_wall(), -3.2, 1.95, 1.3),
         (0, end_wall(), 0.6, 1.95, 3.0),
         (2, left, 8.0, 1.9, 2.4),
@@ -278,7 +278,7 @@ fn hung() -> Vec<HungPainting> {
 /// Builds the paintings with their frames.
 fn paintings() -> Vec<MeshBuilder> {
     let mut frames = mesh("picture-frames", GILT);
-    let mut parts: Vec<MeshBuilder> = hung()
+    let mut parts: Vec<MeshBuilder> = hung_paintings()
         .iter()
         .map(|hung| {
             let mut painting = mesh(format!("{}-{}", hung.name, hung.number), hung.material);
@@ -299,19 +299,19 @@ fn exit_rect() -> Rect {
 }
 
 /// Builds the side door and the exit sign above it.
-fn exit() -> Vec<MeshBuilder> {
+fn exit_door() -> Vec<MeshBuilder> {
     let wall = right_wall();
-    let hole = standing(-DOOR_Z, 1.5, 2.3);
+    let hole = standing_rect(-DOOR_Z, 1.5, 2.3);
     let mut frame = mesh("door-frame", STONE);
     wall.reveals(&mut frame, hole, 0.2);
     for edge in [hole.min.x - 0.075, hole.max.x + 0.075] {
-        wall.block(&mut frame, standing(edge, 0.15, 2.3), [0.0, 0.05]);
+        wall.block(&mut frame, standing_rect(edge, 0.15, 2.3), [0.0, 0.05]);
     }
     wall.block(&mut frame, Rect::new([hole.min.x - 0.15, hole.max.x + 0.15], [2.3, 2.45]), [0.0, 0.06]);
     let mut leaves = mesh("door", WOOD).turned();
     for side in [-1.0, 1.0] {
         let middle = -DOOR_Z + 0.375 * side;
-        wall.block(&mut leaves, standing(middle, 0.74, 2.3), [-0.2, -0.15]);
+        wall.block(&mut leaves, standing_rect(middle, 0.74, 2.3), [-0.2, -0.15]);
         for (y, height) in [(0.6, 0.8), (1.65, 0.9)] {
             wall.border(&mut leaves, centred_rect(middle, y, 0.44, height), 0.04, [-0.15, -0.13]);
         }

@@ -146,24 +146,22 @@ fn windows() -> Vec<Mesh> {
     let mut reveals = mesh("window-frames", WOOD);
     let mut panes = Vec::new();
     // The corners, at the height y, of a rectangle with these x and z ranges.
-    let level = |(x, z): ([f32; 2], [f32; 2]), y: f32| {
+    let corners_at_height = |(x, z): ([f32; 2], [f32; 2]), y: f32| {
         [[x[0], z[0]], [x[1], z[0]], [x[1], z[1]], [x[0], z[1]]].map(|[x, z]| Vec3::new(x, y, z))
     };
-    // Makes the function that gives the direction from the middle between two corners to a centre.
-    let inwards_of = |centre: Vec3| move |a: Vec3, b: Vec3| centre - 0.5 * (a + b);
-    let to_middle = inwards_of(Vec3::new(2.055, 1.0, -2.255));
-    ring(&mut reveals, &level(WELL, CEILING_Y), &level(WELL, 1.14), to_middle);
-    ring(&mut well, &level(WELL, 1.14), &level(SKYLIGHT, 1.83), to_middle);
-    ring(&mut reveals, &level(SKYLIGHT, 1.83), &level(SKYLIGHT, 1.95), to_middle);
+    let middle = Vec3::new(2.055, 1.0, -2.255);
+    sides_between(&mut reveals, &corners_at_height(WELL, CEILING_Y), &corners_at_height(WELL, 1.14), middle);
+    sides_between(&mut well, &corners_at_height(WELL, 1.14), &corners_at_height(SKYLIGHT, 1.83), middle);
+    sides_between(&mut reveals, &corners_at_height(SKYLIGHT, 1.83), &corners_at_height(SKYLIGHT, 1.95), middle);
     let mut pane = mesh("skylight", WINDOW);
-    pane.polygon(&level(SKYLIGHT, 1.95), Vec3::NEG_Y);
+    pane.polygon(&corners_at_height(SKYLIGHT, 1.95), Vec3::NEG_Y);
     panes.push(pane);
     for (x, y) in WINDOWS {
         // The corners of the window at the depth z.
         let upright =
             |z: f32| [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z));
         let middle = Vec3::new(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 5.08);
-        ring(&mut reveals, &upright(5.0), &upright(GLASS_Z), inwards_of(middle));
+        sides_between(&mut reveals, &upright(5.0), &upright(GLASS_Z), middle);
         let mut pane = mesh("pane", WINDOW);
         pane.polygon(&upright(GLASS_Z), Vec3::NEG_Z);
         panes.push(pane);
@@ -172,12 +170,11 @@ fn windows() -> Vec<Mesh> {
     panes.into_iter().map(MeshBuilder::build).collect()
 }
 
-/// Adds the four sides between two rectangles. `facing` gives the direction that a side faces, from two opposite
-/// corners of it.
-fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl Fn(Vec3, Vec3) -> Vec3) {
+/// Adds the four sides between two rectangles, which face `middle`.
+fn sides_between(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], middle: Vec3) {
     for k in 0..4 {
         let next = (k + 1) % 4;
-        mesh.polygon(&[from[k], from[next], to[next], to[k]], facing(from[k], to[next]));
+        mesh.polygon(&[from[k], from[next], to[next], to[k]], middle - 0.5 * (from[k] + to[next]));
     }
 }
 
@@ -204,13 +201,13 @@ fn blocks() -> Vec<Mesh> {
             let low = CORNER + WIDTH * Vec2::new(column as f32, row as f32);
             let min = Vec3::new(low.x, FLOOR_Y - OVERLAP, low.y);
             let max = Vec3::new(low.x + WIDTH, top, low.y + WIDTH);
-            bricks.cuboid_but(min, max - BOARD * Vec3::Y, &[Vec3::Y, Vec3::NEG_Y]);
+            bricks.cuboid_without(min, max - BOARD * Vec3::Y, &[Vec3::Y, Vec3::NEG_Y]);
             let min = Vec3::new(min.x, top - BOARD, min.z);
-            tops.cuboid_but(min, max, &[Vec3::NEG_Y]);
+            tops.cuboid_without(min, max, &[Vec3::NEG_Y]);
         }
     }
     let ball = Vec3::new(2.14, -0.19, -1.92);
-    bricks.cuboid_but(ball - Vec3::new(0.11, 0.38, 0.11), ball + Vec3::new(0.11, -0.22, 0.11), &[Vec3::NEG_Y]);
+    bricks.cuboid_without(ball - Vec3::new(0.11, 0.38, 0.11), ball + Vec3::new(0.11, -0.22, 0.11), &[Vec3::NEG_Y]);
     let mut wood = mesh("ball", WOOD);
     wood.sphere(ball, 0.24, [48, 24]);
     [bricks, tops, wood].map(MeshBuilder::build).into()
@@ -241,7 +238,7 @@ fn table() -> Vec<Mesh> {
     let top = middle + 0.55 * Vec3::Y;
     let bowl = bowl(top + Vec3::new(0.22, 0.0, -0.15));
     let mut small = mesh("small-things", BRICKS);
-    small.cuboid_but(top + Vec3::new(-0.42, 0.0, -0.12), top + Vec3::new(-0.18, 0.2, 0.08), &[Vec3::NEG_Y]);
+    small.cuboid_without(top + Vec3::new(-0.42, 0.0, -0.12), top + Vec3::new(-0.18, 0.2, 0.08), &[Vec3::NEG_Y]);
     let mut ball = mesh("table-ball", DARK_WOOD);
     ball.sphere(top + Vec3::new(0.02, 0.12, 0.22), 0.12, [32, 16]);
     [table, leg, bowl, small, ball].map(MeshBuilder::build).into()

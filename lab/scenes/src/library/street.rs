@@ -4,11 +4,11 @@
 
 mod house;
 
-use super::builder::{MeshBuilder, Rect};
+use super::builder::{MeshBuilder, Rect, ordered};
 use super::fittings::{Face, centred_rect};
 use super::{Finish, car, materials, probe, thesis_lens, view};
 use crate::{AreaLight, AreaShape, Light, Mesh, Scene};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use house::{Ground, HouseFront};
 use ssct_geometry::impostor_image;
 use ssct_geometry::pattern::{Painting, Pattern, Picture, Sign, SignOutline, Text, Wood};
@@ -123,12 +123,16 @@ const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
 const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
 /// The x and z of the posts of the street lamps, in metres.
 const LAMPS: [[f32; 2]; 6] = [[-4.4, 4.4], [4.4, 2.6], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
-/// Height of the lamps' globes, and their distance from the posts towards the road, in metres.
-const GLOBE: [f32; 2] = [4.3, 0.55];
+/// Height of the lamps' globes, in metres.
+const GLOBE_Y: f32 = 4.3;
+/// Distance of the globes from their posts, towards the road, in metres.
+const GLOBE_REACH: f32 = 0.55;
 /// Radius of the lamps' globes, in metres.
 const GLOBE_RADIUS: f32 = 0.19;
-/// The cinema's canopy, in metres: its range along the house fronts, its range of heights, and how far it projects.
-const CANOPY: ([f32; 2], [f32; 2], f32) = ([7.6, 14.4], [3.35, 4.60], 1.6);
+/// The range of the cinema's canopy along the house fronts, and its range of heights, in metres.
+const CANOPY: Rect = Rect { min: Vec2::new(7.6, 3.35), max: Vec2::new(14.4, 4.60) };
+/// How far the canopy projects from the house fronts, in metres.
+const CANOPY_OUT: f32 = 1.6;
 
 /// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
 pub fn scene() -> Scene {
@@ -174,12 +178,12 @@ fn car_materials(paint: usize) -> car::Materials {
 }
 
 /// Returns the plane of the house fronts at −x, on which z grows to the right.
-fn left() -> Face {
+fn left_fronts() -> Face {
     Face::new([-HOUSE_X, 0.0, 0.0], Vec3::Z)
 }
 
 /// Returns the plane of the house fronts at +x, on which z grows to the left.
-fn right() -> Face {
+fn right_fronts() -> Face {
     Face::new([HOUSE_X, 0.0, 0.0], Vec3::NEG_Z)
 }
 
@@ -198,12 +202,12 @@ fn fronts() -> [HouseFront; 8] {
     };
     let across = [-HOUSE_X, HOUSE_X];
     [
-        front("bricks-left", left(), [-8.0, 5.6], 13.6, BRICKS, Ground::Shops),
-        front("cinema", left(), [5.6, 16.4], 11.0, TEAL, Ground::Cinema),
-        front("stone-left", left(), [16.4, 40.0], TOP, STONE, Ground::Shops),
-        front("cafe", right(), [-9.4, 8.0], 11.2, OCHRE, Ground::Shops),
-        front("hotel", right(), [-24.6, -9.4], TOP, BRICKS, Ground::Doors),
-        front("stone-right", right(), [-40.0, -24.6], 11.4, STONE, Ground::Doors),
+        front("bricks-left", left_fronts(), [-8.0, 5.6], 13.6, BRICKS, Ground::Shops),
+        front("cinema", left_fronts(), [5.6, 16.4], 11.0, TEAL, Ground::Cinema),
+        front("stone-left", left_fronts(), [16.4, 40.0], TOP, STONE, Ground::Shops),
+        front("cafe", right_fronts(), [-9.4, 8.0], 11.2, OCHRE, Ground::Shops),
+        front("hotel", right_fronts(), [-24.6, -9.4], TOP, BRICKS, Ground::Doors),
+        front("stone-right", right_fronts(), [-40.0, -24.6], 11.4, STONE, Ground::Doors),
         front("north", north, across, 12.4, OCHRE, Ground::Doors),
         front("south", south, across, 11.0, BRICKS, Ground::Doors),
     ]
@@ -213,11 +217,11 @@ fn fronts() -> [HouseFront; 8] {
 /// cinema and at the signs.
 fn lights() -> Vec<Light> {
     let point = |x: f32, y: f32, z: f32, energy: f32| Light::Point { position: Vec3::new(x, y, z), energy };
-    let globe = |[x, z]: [f32; 2]| point(x - x.signum() * GLOBE[1], GLOBE[0] - 0.55, z, 4.0);
+    let globe = |[x, z]: [f32; 2]| point(x - x.signum() * GLOBE_REACH, GLOBE_Y - 0.55, z, 4.0);
     let mut all = vec![Light::Directional { direction: Vec3::new(0.30, -0.80, 0.52).normalize(), energy: 0.30 }];
     all.extend(LAMPS.map(globe));
     // The x of the front of the canopy.
-    let canopy = -HOUSE_X + CANOPY.2;
+    let canopy = -HOUSE_X + CANOPY_OUT;
     all.extend([
         point(canopy + 1.1, 4.0, 9.3, 4.0),
         point(canopy + 1.1, 4.0, 12.7, 4.0),
@@ -234,7 +238,7 @@ fn lights() -> Vec<Light> {
 /// Returns the globes of the lamps and the two neon tubes as area lights.
 fn area_lights() -> Vec<AreaLight> {
     let globe = |[x, z]: [f32; 2]| AreaLight {
-        shape: AreaShape::Sphere { centre: Vec3::new(x - x.signum() * GLOBE[1], GLOBE[0], z), radius: GLOBE_RADIUS },
+        shape: AreaShape::Sphere { centre: Vec3::new(x - x.signum() * GLOBE_REACH, GLOBE_Y, z), radius: GLOBE_RADIUS },
         radiance: Vec3::new(1.0, 0.93, 0.74),
     };
     let mut all = LAMPS.map(globe).to_vec();
@@ -248,8 +252,8 @@ fn area_lights() -> Vec<AreaLight> {
 /// The two ends of each neon tube: one tube runs below the edge of the canopy, one up the corner of the hotel.
 const NEON: [[Vec3; 2]; 2] = [
     [
-        Vec3::new(-HOUSE_X + CANOPY.2 + 0.05, CANOPY.1[0] - 0.05, CANOPY.0[0]),
-        Vec3::new(-HOUSE_X + CANOPY.2 + 0.05, CANOPY.1[0] - 0.05, CANOPY.0[1]),
+        Vec3::new(-HOUSE_X + CANOPY_OUT + 0.05, CANOPY.min.y - 0.05, CANOPY.min.x),
+        Vec3::new(-HOUSE_X + CANOPY_OUT + 0.05, CANOPY.min.y - 0.05, CANOPY.max.x),
     ],
     [Vec3::new(HOUSE_X - 0.12, 4.6, 14.0), Vec3::new(HOUSE_X - 0.12, 10.6, 14.0)],
 ];
@@ -267,11 +271,9 @@ fn ground() -> Vec<MeshBuilder> {
     let mut pavement = mesh("pavement", PAVEMENT);
     let mut kerb = mesh("kerbs", KERB);
     for side in [-1.0, 1.0] {
-        // The range of x, in order, between two distances from the middle of the road on this side.
-        let x = |from: f32, to: f32| [(side * from).min(side * to), (side * from).max(side * to)];
-        let level = Rect::new(x(KERB_X + 0.15, HOUSE_X + 0.3), z);
-        pavement.panel([KERB_M * Vec3::Y, Vec3::X, Vec3::Z], level, &[]);
-        let [low, high] = x(KERB_X, KERB_X + 0.15);
+        let pavement_x = ordered(side * (KERB_X + 0.15), side * (HOUSE_X + 0.3));
+        pavement.panel([KERB_M * Vec3::Y, Vec3::X, Vec3::Z], Rect::new(pavement_x, z), &[]);
+        let [low, high] = ordered(side * KERB_X, side * (KERB_X + 0.15));
         let mut from = z[0];
         while from < z[1] {
             let to = (from + 1.2).min(z[1]);
@@ -294,17 +296,17 @@ fn ground() -> Vec<MeshBuilder> {
 
 /// Builds the canopy above the cinema's entrance with its sign, the posters beside the entrance, and the neon tubes.
 fn cinema() -> Vec<MeshBuilder> {
-    let face = left();
-    let (along, heights, out) = CANOPY;
+    let face = left_fronts();
     let mut canopy = mesh("canopy", METAL);
-    face.block(&mut canopy, Rect::new(along, heights), [-0.05, out - 0.01]);
+    face.block(&mut canopy, CANOPY, [-0.05, CANOPY_OUT - 0.01]);
     let mut sign = mesh("cinema-sign", CINEMA);
-    face.picture(&mut sign, cinema_rect(), out);
-    let mut ends = mesh("canopy-trim", TRIM);
-    for y in [heights[0] - 0.03, heights[1]] {
-        face.block(&mut ends, Rect::new([along[0] - 0.03, along[1] + 0.03], [y, y + 0.04]), [0.0, out + 0.02]);
+    face.picture(&mut sign, cinema_rect(), CANOPY_OUT);
+    let mut trim = mesh("canopy-trim", TRIM);
+    for y in [CANOPY.min.y - 0.03, CANOPY.max.y] {
+        let strip = Rect::new([CANOPY.min.x - 0.03, CANOPY.max.x + 0.03], [y, y + 0.04]);
+        face.block(&mut trim, strip, [0.0, CANOPY_OUT + 0.02]);
     }
-    let mut parts = vec![canopy, sign, ends];
+    let mut parts = vec![canopy, sign, trim];
     for (number, rect) in poster_rects().into_iter().enumerate() {
         let mut frame = mesh("poster-frames", METAL);
         face.border(&mut frame, rect, 0.07, [0.0, 0.06]);
@@ -327,7 +329,7 @@ const POSTERS: [&str; 2] = ["poster-ship", "poster-portrait"];
 
 /// Returns the rectangle of the cinema's sign on the front of the canopy, with the aspect ratio of its image.
 fn cinema_rect() -> Rect {
-    centred_rect(0.5 * (CANOPY.0[0] + CANOPY.0[1]), 0.5 * (CANOPY.1[0] + CANOPY.1[1]), 6.2, 6.2 * 144.0 / 768.0)
+    centred_rect(0.5 * (CANOPY.min.x + CANOPY.max.x), 0.5 * (CANOPY.min.y + CANOPY.max.y), 6.2, 6.2 * 144.0 / 768.0)
 }
 
 /// Returns the rectangles of the posters on the fronts at −x.
@@ -378,9 +380,9 @@ fn signs() -> Vec<MeshBuilder> {
         parts.extend([front, back]);
     }
     let mut cafe = mesh("cafe-sign", CAFE);
-    right().picture(&mut cafe, cafe_rect(), 0.08);
+    right_fronts().picture(&mut cafe, cafe_rect(), 0.08);
     let mut board = mesh("cafe-board", METAL);
-    right().block(&mut board, centred_rect(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
+    right_fronts().block(&mut board, centred_rect(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
     parts.extend([rods, cafe, board]);
     parts
 }
@@ -392,9 +394,9 @@ fn lamps() -> Vec<MeshBuilder> {
     for [x, z] in LAMPS {
         let foot = Vec3::new(x, KERB_M, z);
         posts.cylinder(foot, 0.09, 0.9, 20);
-        posts.cylinder(foot, 0.055, GLOBE[0], 16);
-        let top = foot + GLOBE[0] * Vec3::Y;
-        let globe = Vec3::new(x - x.signum() * GLOBE[1], GLOBE[0], z);
+        posts.cylinder(foot, 0.055, GLOBE_Y, 16);
+        let top = foot + GLOBE_Y * Vec3::Y;
+        let globe = Vec3::new(x - x.signum() * GLOBE_REACH, GLOBE_Y, z);
         posts.tube([10, 12], Vec3::Z, |t| {
             let (sin, cos) = (0.5 * std::f32::consts::PI * t).sin_cos();
             let reach = globe + (GLOBE_RADIUS + 0.04) * Vec3::Y - top;
@@ -410,20 +412,24 @@ fn lamps() -> Vec<MeshBuilder> {
 /// last impostor that a ray hits.
 fn add_impostors(scene: &mut Scene) {
     for front in fronts().iter().take(5) {
-        let names = house::parts(front.name);
+        let names = house::mesh_names(front.name);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let rect = Rect::new(front.span, [0.0, front.height]);
         impostor_image::add(scene, &names, &front.face.portrait(front.name, rect, 0.0, 320));
     }
     for (name, rect) in POSTERS.into_iter().zip(poster_rects()) {
-        impostor_image::add(scene, &[name], &left().portrait(name, rect, 0.03, 192));
+        impostor_image::add(scene, &[name], &left_fronts().portrait(name, rect, 0.03, 192));
     }
-    impostor_image::add(scene, &["cafe-sign"], &right().portrait("cafe sign", cafe_rect(), 0.08, 384));
+    impostor_image::add(scene, &["cafe-sign"], &right_fronts().portrait("cafe sign", cafe_rect(), 0.08, 384));
     for blade in blades() {
         impostor_image::add(scene, &[blade.name], &blade.face.portrait(blade.name, blade.rect, 0.0, 192));
     }
-    impostor_image::add(scene, &["cinema-sign"], &left().portrait("cinema sign", cinema_rect(), CANOPY.2, 512));
+    impostor_image::add(
+        scene,
+        &["cinema-sign"],
+        &left_fronts().portrait("cinema sign", cinema_rect(), CANOPY_OUT, 512),
+    );
     let side = Face::new([CAR.x, 0.0, CAR.z], Vec3::Z);
     let outline = Rect::new([-0.52 * car::SIZE.z, 0.52 * car::SIZE.z], [0.0, 1.02 * car::SIZE.y]);
-    impostor_image::add(scene, &car::PARTS, &side.portrait("car", outline, 0.0, 320));
+    impostor_image::add(scene, &car::MESH_NAMES, &side.portrait("car", outline, 0.0, 320));
 }

@@ -2,7 +2,7 @@
 //! glTF.
 
 use crate::material_terms::roughness_of_perceptual;
-use crate::metallic::{Factors, TexelInputs, grey, texels_of};
+use crate::metallic::{Factors, TexelInputs, bake_texels, grey};
 use crate::{Encoding, Material, Texture};
 use glam::{DVec4, Vec3};
 use rayon::prelude::*;
@@ -22,16 +22,16 @@ pub(super) struct MaterialReading {
 }
 
 /// The index of an image in the list of the images that were read.
-type Image = usize;
+type ImageId = usize;
 
 /// How an image of the scene is made: from which images that were read, and with which factors. Materials with equal
 /// recipes share the image. `Plain` is an image that is used unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ImageRecipe {
-    Plain(Image),
-    Albedo { base: Option<Image>, metalness: Option<Image>, emission: Option<Image>, factors: Factors },
-    Reflectivity { base: Option<Image>, metalness: Option<Image>, level: Option<Image>, factors: Factors },
-    Roughness { image: Image, factor: f32 },
+    Plain(ImageId),
+    Albedo { base: Option<ImageId>, metalness: Option<ImageId>, emission: Option<ImageId>, factors: Factors },
+    Reflectivity { base: Option<ImageId>, metalness: Option<ImageId>, level: Option<ImageId>, factors: Factors },
+    Roughness { image: ImageId, factor: f32 },
 }
 
 /// The images that were read, and the images that the scene's materials need.
@@ -51,7 +51,7 @@ impl Textures {
     }
 
     /// Returns true if an image was read or replaced.
-    pub(super) fn is_there(&self, image: Image) -> bool {
+    pub(super) fn has_image(&self, image: ImageId) -> bool {
         self.read[image].is_some()
     }
 
@@ -66,17 +66,17 @@ impl Textures {
     /// Gives a material its maps, as indices into the images of [`Textures::finish`]. `images` are indices of images
     /// that were read, in the order of [`MaterialImages`](super::images::MaterialImages). A baked map includes the
     /// material's number, which then becomes 1.
-    pub(super) fn attach(
+    pub(super) fn set_maps(
         &mut self,
         material: &mut Material,
         reading: Option<&MaterialReading>,
-        images: [Option<Image>; 7],
+        images: [Option<ImageId>; 7],
     ) {
         let [base, normal, mask, reflectivity, emission, roughness, metalness] = images;
         let is_metallic = reading.is_some_and(|reading| reading.is_metallic);
         let emits = reading.is_some_and(|reading| reading.factors.emission != Vec3::ZERO);
-        let is_baked = metalness.is_some() || emits && (base.is_some() || emission.is_some());
-        let mut plain = |image: Option<Image>| image.map(|image| self.add(ImageRecipe::Plain(image)));
+        let is_baked = metalness.is_some() || (emits && (base.is_some() || emission.is_some()));
+        let mut plain = |image: Option<ImageId>| image.map(|image| self.add(ImageRecipe::Plain(image)));
         let unchanged = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
         [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] =
             unchanged.map(&mut plain);
@@ -118,22 +118,22 @@ impl Textures {
 
 /// Bakes an image from the images that were read; `None` for an image that is used unchanged.
 fn bake(recipe: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
-    let input = |image: Option<Image>| read[image?].as_ref();
+    let input = |image: Option<ImageId>| read[image?].as_ref();
     // A number is read from red, since a grey image has it in every channel.
     Some(match *recipe {
         ImageRecipe::Plain(_) => return None,
         ImageRecipe::Albedo { base, metalness, emission, factors } => {
-            texels_of(&[base, metalness, emission].map(input), Encoding::Srgb, |[base, metalness, emission]| {
+            bake_texels(&[base, metalness, emission].map(input), Encoding::Srgb, |[base, metalness, emission]| {
                 factors.albedo_texel(&TexelInputs::new(base, metalness.x, emission))
             })
         }
         ImageRecipe::Reflectivity { base, metalness, level, factors } => {
-            texels_of(&[base, metalness, level].map(input), Encoding::Linear, |[base, metalness, level]| {
+            bake_texels(&[base, metalness, level].map(input), Encoding::Linear, |[base, metalness, level]| {
                 let inputs = TexelInputs::new(base, metalness.x, DVec4::ONE).with_specular(level.x, DVec4::ONE);
                 grey(factors.reflectivity(&inputs))
             })
         }
-        ImageRecipe::Roughness { image, factor } => texels_of(&[input(Some(image))], Encoding::Linear, |[texel]| {
+        ImageRecipe::Roughness { image, factor } => bake_texels(&[input(Some(image))], Encoding::Linear, |[texel]| {
             grey(roughness_of_perceptual(factor * texel.x as f32))
         }),
     })

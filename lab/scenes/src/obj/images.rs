@@ -62,7 +62,7 @@ impl MaterialImages {
 
 /// The images that a material names, and the material that its numbers give; empty for a material without a definition.
 #[derive(Default)]
-pub(super) struct Source {
+pub(super) struct MaterialSource {
     pub images: MaterialImages,
     pub reading: Option<MaterialReading>,
 }
@@ -92,7 +92,7 @@ struct Request {
 /// No image gets more than `side` texels along a side. Each image that is missing or cannot be read adds one warning. A
 /// generated image replaces a missing one whose file name suggests a pattern. Otherwise the material has its plain
 /// colour, no normal map, no mask, or only the value of its numbers.
-pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
+pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialSource>, side: u32) {
     let mut requests = Requests::default();
     let requested: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
 
@@ -125,15 +125,15 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<Source>, side: u32) {
     }
     let mut textures = Textures::new(images);
     for ((material, source), requested) in scene.materials.iter_mut().zip(&sources).zip(requested) {
-        let images = requested.map(|request| request.filter(|&index| textures.is_there(index)));
-        textures.attach(material, source.reading.as_ref(), images);
+        let images = requested.map(|request| request.filter(|&index| textures.has_image(index)));
+        textures.set_maps(material, source.reading.as_ref(), images);
     }
     scene.textures.extend(textures.finish(scene.textures.len(), &mut scene.materials));
     warn_of_transforms(scene, &sources);
 }
 
 /// Adds a warning for each material with an image whose options would transform texture coordinates.
-fn warn_of_transforms(scene: &mut Scene, sources: &[Source]) {
+fn warn_of_transforms(scene: &mut Scene, sources: &[MaterialSource]) {
     for (source, material) in sources.iter().zip(&scene.materials) {
         if let Some(image) = source.images.all().into_iter().flatten().find(|image| image.transformed) {
             let place = image.place();
@@ -158,7 +158,7 @@ struct Requests {
 impl Requests {
     /// Requests the images of a material. Returns the index of each request, in the order of [`MaterialImages::all`],
     /// and `None` where the material has no such image.
-    fn add_all(&mut self, source: &Source) -> [Option<usize>; 7] {
+    fn add_all(&mut self, source: &MaterialSource) -> [Option<usize>; 7] {
         let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
         let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
         // The bits of the multiplier make requests with different multipliers differ.
@@ -274,12 +274,12 @@ fn forward_slashes(name: &str) -> String {
 pub(crate) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = forward_slashes(name);
     let last_component = name.rsplit('/').next().unwrap_or(&name);
-    find(folder, &name).or_else(|| find(folder, last_component))
+    find_file(folder, &name).or_else(|| find_file(folder, last_component))
 }
 
 /// Finds a file by its name with folders, as written or else with case ignored in components that do not exist as
 /// written.
-fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let exact = folder.join(name);
     if exact.is_file() {
         return Some(exact);

@@ -86,17 +86,16 @@ pub(super) fn read_libraries(
 ) -> Result<Definitions> {
     let folder = obj_path.parent().unwrap_or(Path::new(""));
     let mut definitions = Definitions::default();
-    let mut seen = HashSet::new();
+    let mut read_names = HashSet::new();
     for (line, statement) in statements {
-        let files = library_names(folder, statement);
-        for (name, path) in files {
-            if !seen.insert(name.clone()) {
+        for (name, path) in library_names(folder, statement) {
+            if !read_names.insert(name.clone()) {
                 continue;
             }
             match path {
                 Some(path) => {
                     let bytes = read_limited(&path)?;
-                    read(&path, &decode(&path, &bytes)?, &mut definitions.named)?;
+                    read_materials(&path, &decode(&path, &bytes)?, &mut definitions.named)?;
                 }
                 None => warnings.push(format!(
                     "{}:{line}: the MTL file {} is missing; its materials are white",
@@ -106,8 +105,8 @@ pub(super) fn read_libraries(
             }
         }
     }
-    let bare_names = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
-    definitions.bare = bare_names.collect();
+    let uncommented = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
+    definitions.by_uncommented = uncommented.collect();
     Ok(definitions)
 }
 
@@ -144,7 +143,7 @@ pub(super) struct Definitions {
     /// The materials by their names as written.
     named: HashMap<String, Definition>,
     /// The names as written, by the names without comments.
-    bare: HashMap<String, String>,
+    by_uncommented: HashMap<String, String>,
 }
 
 impl Definitions {
@@ -156,9 +155,9 @@ impl Definitions {
     /// Returns the material of a name. In the OBJ and in the MTL file, some programs write a comment after the name,
     /// which is ignored if the names differ otherwise. A name itself may contain a `#`.
     pub(super) fn get(&self, name: &str) -> Option<&Definition> {
-        let bare = without_comment(name);
+        let uncommented = without_comment(name);
         let named = |name: &str| self.named.get(name);
-        named(name).or_else(|| named(bare)).or_else(|| named(self.bare.get(bare)?))
+        named(name).or_else(|| named(uncommented)).or_else(|| named(self.by_uncommented.get(uncommented)?))
     }
 }
 
@@ -190,14 +189,14 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
 
 /// Reads the materials in the text of one MTL file, and adds them to `definitions`. If a name occurs twice, the last
 /// definition is used.
-fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
+fn read_materials(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
     let mut exporter = Exporter::default();
     // A material whose statements are complete, with its law chosen.
-    let settled = |current: Option<(String, Definition)>, exporter| {
+    let with_law = |current: Option<(String, Definition)>, exporter| {
         current.map(|(name, mut definition)| {
-            definition.settle(exporter);
+            definition.choose_law(exporter);
             (name, definition)
         })
     };
@@ -207,16 +206,16 @@ fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) 
         let rest = rest.trim();
         let place = Place { path, line: index + 1 };
         if keyword.eq_ignore_ascii_case("newmtl") {
-            definitions.extend(settled(current.take(), exporter));
+            definitions.extend(with_law(current.take(), exporter));
             let name = if rest.is_empty() { NO_MATERIAL } else { rest };
             current = Some((name.to_owned(), Definition::default()));
         } else if line.starts_with('#') {
             exporter = Exporter::from_comment(line).unwrap_or(exporter);
         } else if let Some((_, definition)) = &mut current {
-            statement(&place, &keyword.to_ascii_lowercase(), rest, definition)?;
+            read_statement(&place, &keyword.to_ascii_lowercase(), rest, definition)?;
         }
     }
-    definitions.extend(settled(current, exporter));
+    definitions.extend(with_law(current, exporter));
     Ok(())
 }
 
@@ -234,15 +233,15 @@ impl std::fmt::Display for Place<'_> {
 
 /// Reads a statement of a material into its definition. `keyword` is in small letters, and `rest` is the text after the
 /// keyword.
-fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
+fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
     let image = || image_statement(place, rest);
     match keyword {
-        "kd" => definition.diffuse = colour(place, keyword, rest, definition)?,
-        "ks" => definition.specular = colour(place, keyword, rest, definition)?,
-        "ns" => definition.exponent = number(place, keyword, rest, definition)?,
-        "pr" => definition.roughness = number(place, keyword, rest, definition)?,
-        "pm" => definition.metalness = finite_number(place, rest, definition),
-        "ke" => definition.emission = usable_colour(place, rest, definition),
+        "kd" => definition.diffuse = required_colour(place, keyword, rest, definition)?,
+        "ks" => definition.specular = required_colour(place, keyword, rest, definition)?,
+        "ns" => definition.exponent = required_number(place, keyword, rest, definition)?,
+        "pr" => definition.roughness = required_number(place, keyword, rest, definition)?,
+        "pm" => definition.metalness = number_or_warning(place, rest, definition),
+        "ke" => definition.emission = colour_or_warning(place, rest, definition),
         "ka" => definition.ambient = stated_colour(rest),
         "ni" => definition.ior = first_number(rest),
         "illum" => definition.model = first_number(rest).map(|model| model as u32),
@@ -260,7 +259,7 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
         "bump" | "map_bump" | "norm" => definition.images.normal = image(),
         _ => {
             if let Some(sentence) = lost_meaning(keyword, rest) {
-                definition.drop_kind(place, sentence);
+                definition.note_dropped(place, sentence);
             }
         }
     }
@@ -271,16 +270,16 @@ fn statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definiti
 /// statement has the default value.
 fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
     let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
-    let is_not = |default: f32| numbers().any(|number| number != default);
+    let differs_from = |default: f32| numbers().any(|number| number != default);
     // The option -halo precedes the number.
     let opacity = rest.strip_prefix("-halo").unwrap_or(rest).split_whitespace().next();
     match keyword {
         "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|number| number < 1.0) => {
             Some(TRANSPARENCY)
         }
-        "tr" if is_not(0.0) => Some(TRANSPARENCY),
-        "tf" if is_not(1.0) => Some(TRANSPARENCY),
-        "ps" | "pc" | "aniso" if is_not(0.0) => {
+        "tr" if differs_from(0.0) => Some(TRANSPARENCY),
+        "tf" if differs_from(1.0) => Some(TRANSPARENCY),
+        "ps" | "pc" | "aniso" if differs_from(0.0) => {
             Some("sheen, clear coats and anisotropy are not supported and were ignored")
         }
         "map_ps" | "map_pc" | "map_pcr" => Some("sheen, clear coats and anisotropy are not supported and were ignored"),
@@ -294,12 +293,12 @@ const TRANSPARENCY: &str = "transparency (d, Tr, Tf) is not supported; the surfa
 
 impl Definition {
     /// Notes a warning about a dropped statement, unless the material has the same warning already.
-    fn drop_kind(&mut self, place: &Place, sentence: &'static str) {
-        self.drop_at(&place.to_string(), sentence);
+    fn note_dropped(&mut self, place: &Place, sentence: &'static str) {
+        self.note_dropped_at(&place.to_string(), sentence);
     }
 
-    /// Notes a warning like [`Self::drop_kind`], with the place as text.
-    fn drop_at(&mut self, place: &str, sentence: &'static str) {
+    /// Notes a warning like [`Self::note_dropped`], with the place as text.
+    fn note_dropped_at(&mut self, place: &str, sentence: &'static str) {
         self.dropped.entry(sentence).or_insert_with(|| place.to_owned());
     }
 }
@@ -325,26 +324,26 @@ fn stated_colour(rest: &str) -> Option<Vec3> {
 const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
 
 /// Returns the first number of a statement; `None`, with a warning, if there is no finite number.
-fn finite_number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
+fn number_or_warning(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
     let number = first_number(rest);
     if number.is_none() {
-        definition.drop_kind(place, NO_NUMBER);
+        definition.note_dropped(place, NO_NUMBER);
     }
     number
 }
 
 /// Returns the colour of a statement; `None`, with a warning, if there is no colour.
-fn usable_colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
+fn colour_or_warning(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
     let colour = stated_colour(rest);
     if colour.is_none() {
-        definition.drop_kind(place, NO_NUMBER);
+        definition.note_dropped(place, NO_NUMBER);
     }
     colour
 }
 
 /// Returns the number that the first word of a statement states; `None`, with a warning, if it is not finite. A word
 /// that is no number is an error.
-fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
+fn required_number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
     let word = rest.split_whitespace().next().unwrap_or("");
     let stated = stated_number(word).ok_or_else(|| {
         let message = format!("{keyword} needs a finite number, not {:?}", printable_name(word));
@@ -352,21 +351,21 @@ fn number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition)
     })?;
     let number = Some(stated as f32).filter(|v| v.is_finite());
     if number.is_none() {
-        definition.drop_kind(place, NO_NUMBER);
+        definition.note_dropped(place, NO_NUMBER);
     }
     Ok(number)
 }
 
 /// Returns a colour given as three numbers, or as one number for all three channels. The result is `None`, with a
 /// warning, for numbers that are not finite, and for spectral curves and CIE XYZ, which are not supported.
-fn colour(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<Vec3>> {
+fn required_colour(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<Vec3>> {
     let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
-        definition.drop_kind(place, "colours as spectral curves or CIE XYZ are not supported and were ignored");
+        definition.note_dropped(place, "colours as spectral curves or CIE XYZ are not supported and were ignored");
         return Ok(None);
     }
     let numbers: Vec<Option<f32>> =
-        words.iter().take(3).map(|word| number(place, keyword, word, definition)).collect::<Result<_>>()?;
+        words.iter().take(3).map(|word| required_number(place, keyword, word, definition)).collect::<Result<_>>()?;
     match numbers[..] {
         [r, g, b] => Ok(r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b))),
         [grey] => Ok(grey.map(Vec3::splat)),

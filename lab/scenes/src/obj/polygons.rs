@@ -47,9 +47,11 @@ pub(super) fn build(
         let mut part = GroupPart { part, smoothing: Vec::new() };
         let mut start = 0;
         // tobj lists no numbers of corners (arities) if all faces of a group are triangles.
-        let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };
-        let arities = mesh.face_arities.iter().map(|&arity| arity as usize);
-        for arity in arities.chain(std::iter::repeat_n(3, triangles)) {
+        let arities = match mesh.face_arities.is_empty() {
+            true => vec![3; mesh.indices.len() / 3],
+            false => mesh.face_arities.iter().map(|&arity| arity as usize).collect(),
+        };
+        for arity in arities {
             let polygon: Vec<Vertex> =
                 mesh.indices[start..start + arity].iter().map(|&index| corners[index as usize]).collect();
             start += arity;
@@ -128,12 +130,12 @@ impl GroupPart {
 fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
     // The weighted sums of normals, by the bits of the position and the smoothing group; group 0 is none.
-    let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
+    let mut normal_sums: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {
         for (triangle, &group) in part.part.triangles.iter().zip(&part.smoothing).filter(|(_, group)| **group != 0) {
             let face = twice_area(triangle).normalize();
             for (corner, vertex) in triangle.iter().enumerate().filter(|(_, vertex)| vertex.normal == [0.0; 3]) {
-                *smooth.entry(key(vertex, group)).or_default() += angle(triangle, corner) * face;
+                *normal_sums.entry(key(vertex, group)).or_default() += angle(triangle, corner) * face;
             }
         }
     }
@@ -150,7 +152,7 @@ fn fill_normals(parts: &mut [GroupPart]) {
                 }
             };
             fill(triangle, &|vertex| {
-                let mean = smooth.get(&key(vertex, group)).map_or(face, |sum| sum.normalize_or_zero());
+                let mean = normal_sums.get(&key(vertex, group)).map_or(face, |sum| sum.normalize_or_zero());
                 // At a sharp fold, the mean may point behind the face.
                 if mean.dot(face) > 0.0 { mean } else { face }
             });

@@ -27,8 +27,7 @@ const MAX_CORNERS: usize = 1024;
 /// A normalised OBJ file, and the information that tobj does not report.
 #[derive(Debug)]
 pub(super) struct Statements {
-    /// The `v`, `vt` and `vn` statements. The first `vt` and the first `vn` are NaN and stand for a missing
-    /// attribute.
+    /// The `v`, `vt` and `vn` statements. The first `vt` and the first `vn` are NaN and stand for a missing attribute.
     pub vertices: String,
     /// The `g`, `usemtl` (by index into `material_names`) and `f` statements.
     pub faces: String,
@@ -62,16 +61,16 @@ pub(super) fn normalise(
     scale: f32,
     warnings: &mut Vec<String>,
 ) -> Result<Statements> {
-    let read = |known: FirstReading| {
+    let read_text = |known: FirstReading| {
         let mut scan = Scan::new(path, known);
         for (line, statement) in logical_lines(text) {
             scan.line = line;
-            scan.statement(&statement)?;
+            scan.read_statement(&statement)?;
         }
         Ok(scan)
     };
     let mut known = FirstReading { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
-    let mut scan = read(known)?;
+    let mut scan = read_text(known)?;
     let scale = f64::from(scale);
     let far = far_origin(scan.bounds.map(|corner| corner * scale)).filter(|_| origin.is_none());
     if let Some(far) = &far {
@@ -79,10 +78,9 @@ pub(super) fn normalise(
         known.origin = far.centre / scale;
     }
     *origin = Some(known.origin);
-    let strays = scan.has_strays();
-    if far.is_some() || strays {
+    if far.is_some() || scan.refers_to_missing_attributes() {
         known.counts = scan.counters.each_ref().map(|counter| counter.count);
-        scan = read(known)?;
+        scan = read_text(known)?;
     }
     scan.finish(warnings)
 }
@@ -110,8 +108,10 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 struct Counter {
     /// Number of entries so far.
     count: usize,
-    /// The highest index that a face uses, and the line of the face.
-    highest: (usize, usize),
+    /// The highest index that a face uses.
+    highest: usize,
+    /// The line of the face that uses the highest index.
+    highest_line: usize,
 }
 
 /// One reading of a file, statement by statement.
@@ -144,7 +144,8 @@ const FREE_FORM: [&str; 21] = [
 ];
 
 /// Statements that tell other programs how to draw, which are ignored without a warning.
-const HINTS: [&str; 9] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
+const DRAWING_HINTS: [&str; 9] =
+    ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
 
 impl<'a> Scan<'a> {
     /// Makes a reading before its first statement. Its output begins with the NaN entries.
@@ -167,20 +168,20 @@ impl<'a> Scan<'a> {
     }
 
     /// Notes a warning about a dropped statement, unless the file has the same warning already.
-    fn drop_kind(&mut self, sentence: &'static str) {
+    fn note_dropped(&mut self, sentence: &'static str) {
         let line = self.line;
         self.dropped.entry(sentence).or_insert(line);
     }
 
     /// Reads one statement, and adds it in plain form to the output.
-    fn statement(&mut self, statement: &str) -> Result<()> {
+    fn read_statement(&mut self, statement: &str) -> Result<()> {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
         let keyword = keyword.to_ascii_lowercase();
         match keyword.as_str() {
-            "v" => self.numbers(0, rest, 3, 3)?,
-            "vt" => self.numbers(1, rest, 1, 2)?,
-            "vn" => self.numbers(2, rest, 3, 3)?,
-            "f" | "fo" => self.face(rest)?,
+            "v" => self.read_numbers(0, rest, 3, 3)?,
+            "vt" => self.read_numbers(1, rest, 1, 2)?,
+            "vn" => self.read_numbers(2, rest, 3, 3)?,
+            "f" | "fo" => self.read_face(rest)?,
             "g" | "o" => {
                 // Writing to a String cannot fail.
                 let _ = writeln!(self.out.faces, "g {}", rest.trim());
@@ -188,25 +189,25 @@ impl<'a> Scan<'a> {
             "s" => self.smoothing = rest.trim().parse().unwrap_or(0),
             "usemtl" => self.use_material(rest.trim()),
             "mtllib" => self.out.libraries.push((self.line, rest.trim().to_owned())),
-            "l" | "p" => self.drop_kind("lines and points are not drawn"),
-            "usemap" | "maplib" => self.drop_kind("usemap and maplib are not supported and were ignored"),
-            _ if keyword.is_empty() || keyword.starts_with('#') || HINTS.contains(&keyword.as_str()) => {}
+            "l" | "p" => self.note_dropped("lines and points are not drawn"),
+            "usemap" | "maplib" => self.note_dropped("usemap and maplib are not supported and were ignored"),
+            _ if keyword.is_empty() || keyword.starts_with('#') || DRAWING_HINTS.contains(&keyword.as_str()) => {}
             _ if FREE_FORM.contains(&keyword.as_str()) => {
-                self.drop_kind("curves and free-form surfaces are not supported and were left out");
+                self.note_dropped("curves and free-form surfaces are not supported and were left out");
             }
-            _ => self.drop_kind("a statement is unknown and was ignored"),
+            _ => self.note_dropped("a statement is unknown and was ignored"),
         }
         Ok(())
     }
 
     /// Reads a vertex, texture coordinate or normal; `kind` is an index into [`KINDS`]. The statement must have at
-    /// least `needed` numbers. The first `kept` numbers are kept, and missing ones become 0. Further numbers (weights,
+    /// least `needed` numbers. The first `used` numbers are read, and missing ones become 0. Further numbers (weights,
     /// colours) are ignored.
-    fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
+    fn read_numbers(&mut self, kind: usize, rest: &str, needed: usize, used: usize) -> Result<()> {
         let mut words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
         let mut stated = ["0"; 3];
         let mut numbers = [0.0_f64; 3];
-        for i in 0..kept {
+        for i in 0..used {
             match words.next() {
                 Some(word) => stated[i] = word,
                 None if i >= needed => break,
@@ -219,7 +220,7 @@ impl<'a> Scan<'a> {
             })?;
         }
         if kind == 0 && words.count() >= 3 {
-            self.drop_kind("colours of vertices are not supported and were ignored");
+            self.note_dropped("colours of vertices are not supported and were ignored");
         }
         let is_finite = |number: &f64| (*number as f32).is_finite();
         match numbers.iter().position(|number| !is_finite(number)) {
@@ -233,14 +234,14 @@ impl<'a> Scan<'a> {
             }
             Some(_) => {
                 stated = ["0"; 3];
-                self.drop_kind(match kind {
+                self.note_dropped(match kind {
                     1 => "texture coordinates that are not finite count as 0",
                     _ => "normals that are not finite were made from the faces",
                 });
             }
             None => {}
         }
-        self.write_numbers(kind, &stated[..kept], DVec3::from(numbers));
+        self.write_numbers(kind, &stated[..used], DVec3::from(numbers));
         self.counters[kind].count += 1;
         if self.counters[kind].count > MAX_COUNT {
             return Err(self.error(format!("there are more than {MAX_COUNT} {} statements", KINDS[kind])));
@@ -269,7 +270,7 @@ impl<'a> Scan<'a> {
     }
 
     /// Reads a face, and writes it with absolute indices. A face of one or two corners is dropped.
-    fn face(&mut self, rest: &str) -> Result<()> {
+    fn read_face(&mut self, rest: &str) -> Result<()> {
         if self.out.material_names.is_empty() {
             self.use_material(NO_MATERIAL);
         }
@@ -322,15 +323,16 @@ impl<'a> Scan<'a> {
                 if kind == 0 {
                     return Err(self.out_of_range(kind, stated, count));
                 }
-                self.drop_kind(match kind {
+                self.note_dropped(match kind {
                     1 => "a face refers to texture coordinates that are not there; they count as 0",
                     _ => "a face refers to normals that are not there; they were made from the faces",
                 });
                 continue;
             }
             indices[kind] = absolute as usize;
-            if indices[kind] > self.counters[kind].highest.0 {
-                self.counters[kind].highest = (indices[kind], self.line);
+            let counter = &mut self.counters[kind];
+            if indices[kind] > counter.highest {
+                (counter.highest, counter.highest_line) = (indices[kind], self.line);
             }
         }
         Ok(indices)
@@ -355,17 +357,17 @@ impl<'a> Scan<'a> {
     }
 
     /// Returns true if faces refer to texture coordinates or normals that the file lacks.
-    fn has_strays(&self) -> bool {
-        self.counters[1..].iter().any(|&Counter { count, highest: (index, _) }| index > count)
+    fn refers_to_missing_attributes(&self) -> bool {
+        self.counters[1..].iter().any(|counter| counter.highest > counter.count)
     }
 
     /// Ends the reading: refuses a face with a vertex that the file lacks, and a file without faces. Adds the warnings,
     /// and returns the statements in plain form.
     fn finish(mut self, warnings: &mut Vec<String>) -> Result<Statements> {
-        let Counter { count, highest: (index, line) } = self.counters[0];
-        if index > count {
-            self.line = line;
-            return Err(self.out_of_range(0, index as i64, count));
+        let Counter { count, highest, highest_line } = self.counters[0];
+        if highest > count {
+            self.line = highest_line;
+            return Err(self.out_of_range(0, highest as i64, count));
         }
         // `smoothing` has an entry for each face.
         if self.out.smoothing.is_empty() {

@@ -82,19 +82,20 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
     }
     // Lines are kept unless they belong to a [[capture]] table, which ends where the next table begins.
     let mut is_capture = false;
-    let mut kept = String::new();
+    let mut other_lines = String::new();
     for line in text.lines() {
         if line.trim_start().starts_with('[') {
             is_capture = line.replace(char::is_whitespace, "").starts_with("[[capture]]");
         }
         if !is_capture {
-            kept.push_str(line);
-            kept.push('\n');
+            other_lines.push_str(line);
+            other_lines.push('\n');
         }
     }
     let coordinates = coordinates(&before);
     let tables = captures.iter().map(|capture| coordinates.capture(*capture).to_toml()).collect::<Vec<_>>().join("\n");
-    let new_text = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
+    let new_text =
+        if other_lines.trim().is_empty() { tables } else { format!("{}\n\n{tables}", other_lines.trim_end()) };
     if without_captures(&new_text).ok() != Some(before) {
         let message = "it names captures by other tables than [[capture]], which cannot be replaced";
         return Err(Error::malformed(path, None, message));

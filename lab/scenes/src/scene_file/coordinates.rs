@@ -6,11 +6,11 @@ use crate::{Aabb, AreaLight, AreaShape, Capture, Impostor, Light, Probe, View};
 use glam::Vec3;
 
 impl Handedness {
-    /// Returns the coordinates of the positions in a scene file. They are `said`, the value of the key `coordinates`,
+    /// Returns the coordinates of the positions in a scene file. They are `stated`, the value of the key `coordinates`,
     /// if the file has this key; else `of_obj`, the stated handedness of its OBJ files, if it has any. The default is
     /// right-handed, as in glTF.
-    pub(super) fn of_places(said: Option<Self>, of_obj: Option<Self>, has_obj: bool) -> Self {
-        said.or(of_obj.filter(|_| has_obj)).unwrap_or_default()
+    pub(super) fn of_places(stated: Option<Self>, of_obj: Option<Self>, has_obj: bool) -> Self {
+        stated.or(of_obj.filter(|_| has_obj)).unwrap_or_default()
     }
 
     /// Converts a position or a direction from these coordinates to the program's own, or back.
@@ -25,7 +25,7 @@ impl Handedness {
 
     /// Converts the angle of a turn about an axis that [`Self::mirrored`] converts: in right-handed coordinates its
     /// sign changes.
-    pub(super) fn turn(self, angle: f32) -> f32 {
+    pub(super) fn mirrored_angle(self, angle: f32) -> f32 {
         match self {
             Self::Left => angle,
             Self::Right => -angle,
@@ -33,7 +33,7 @@ impl Handedness {
     }
 
     /// Returns the line of a scene file that states these coordinates.
-    pub(super) fn key(self) -> &'static str {
+    pub(super) fn toml_line(self) -> &'static str {
         match self {
             Self::Left => "coordinates = \"left\"",
             Self::Right => "coordinates = \"right\"",
@@ -85,7 +85,7 @@ impl Handedness {
             AreaShape::Rectangle { centre, half_u, half_v } => {
                 // The light shines to the side of half_u × half_v. Mirroring reverses this side, so that half_v is
                 // reversed, too.
-                let half_v = self.turned(converted(half_v));
+                let half_v = self.reversed_edge(converted(half_v));
                 AreaShape::Rectangle { centre: converted(centre), half_u: converted(half_u), half_v }
             }
             AreaShape::Cuboid { centre, half_u, half_v, half_w } => {
@@ -98,7 +98,7 @@ impl Handedness {
 
     /// Reverses an edge of a rectangle in right-handed coordinates, in which [`Self::mirrored`] turns the front of the
     /// rectangle into its back. In left-handed coordinates, returns the edge itself.
-    fn turned(self, edge: Vec3) -> Vec3 {
+    fn reversed_edge(self, edge: Vec3) -> Vec3 {
         match self {
             Self::Left => edge,
             Self::Right => -edge,

@@ -47,7 +47,8 @@ impl SourceText<'_> {
         name: &str,
         section: &MotionSection,
         scene: &Scene,
-        (extra_scale, coordinates): (f32, Handedness),
+        extra_scale: f32,
+        coordinates: Handedness,
     ) -> Result<Motion> {
         let MotionSection { mesh, pivot, axis, key } = section;
         let moved_meshes = || scene.meshes.iter().filter(|candidate| candidate.name == *mesh.get_ref());
@@ -68,8 +69,7 @@ impl SourceText<'_> {
             },
             None => Vec3::Y,
         };
-        // Time in seconds, offset in metres and turn in degrees of each key frame.
-        let mut frames: Vec<(f32, Vec3, f32)> = Vec::new();
+        let (mut times, mut offsets, mut turns_deg) = (Vec::new(), Vec::new(), Vec::new());
         for section in key {
             let KeySection { time, offset, turn_deg } = section.get_ref();
             let offset = match offset {
@@ -77,16 +77,17 @@ impl SourceText<'_> {
                 None => Vec3::ZERO,
             };
             let degrees = turn_deg.unwrap_or(0.0);
-            if frames.last().is_some_and(|(.., before)| (degrees - before).abs() >= HALF_TURN_DEG) {
+            if turns_deg.last().is_some_and(|before: &f32| (degrees - before).abs() >= HALF_TURN_DEG) {
                 let message = "turn_deg must change by less than 180 from one key frame to the next";
                 return Err(self.error(section.span(), message));
             }
-            frames.push((*time, coordinates.mirrored(offset), degrees));
+            times.push(*time);
+            offsets.push((coordinates.mirrored(offset) + pivot).to_array());
+            turns_deg.push(degrees);
         }
-        let times: Vec<f32> = frames.iter().map(|(time, ..)| *time).collect();
-        let offsets = frames.iter().map(|(_, offset, _)| (*offset + pivot).to_array()).collect();
-        let turn = |degrees: f32| Quat::from_axis_angle(axis, coordinates.turn(degrees.to_radians())).to_array();
-        let turns = frames.iter().map(|(.., degrees)| turn(*degrees)).collect();
+        let turn =
+            |degrees: f32| Quat::from_axis_angle(axis, coordinates.mirrored_angle(degrees.to_radians())).to_array();
+        let turns = turns_deg.into_iter().map(turn).collect();
         let span = key.first().map_or(mesh.span(), Spanned::span);
         let wrong = |clause: &str| self.error(span.clone(), format!("motion {name} {clause}"));
         let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(wrong)?;

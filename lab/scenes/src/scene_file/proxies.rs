@@ -10,7 +10,7 @@ use std::path::Path;
 use toml::Spanned;
 
 /// Greatest cosine of the angle between the two half vectors of a rectangle, which must be orthogonal.
-const ORTHOGONAL: f32 = 1e-3;
+const MOST_COSINE: f32 = 1e-3;
 
 /// A `[[probe]]` section: a position, and the corners of the box for the correction of parallax.
 #[derive(Deserialize)]
@@ -77,7 +77,7 @@ impl SourceText<'_> {
     /// Reads an impostor and its image. The impostor's texture index is 0; the caller sets it.
     pub(super) fn impostor(&self, section: &ImpostorSection) -> Result<(Impostor, Texture)> {
         let centre = self.vector("centre", &section.centre)?;
-        let [half_u, half_v] = self.halves(&section.half_u, &section.half_v)?;
+        let [half_u, half_v] = self.half_vectors(&section.half_u, &section.half_v)?;
         let name = section.file.get_ref();
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let Some(path) = obj::resolve(folder, name) else {
@@ -109,12 +109,12 @@ impl SourceText<'_> {
             }
             (AreaKind::Cuboid, Some(centre), None, [None, None], [Some(half_u), Some(half_v)], Some(half_w)) => {
                 let centre = self.vector("centre", centre)?;
-                let [half_u, half_v] = self.halves(half_u, half_v)?;
+                let [half_u, half_v] = self.half_vectors(half_u, half_v)?;
                 AreaShape::Cuboid { centre, half_u, half_v, half_w: self.positive("half_w", half_w)? }
             }
             (AreaKind::Rectangle, Some(centre), None, [None, None], [Some(half_u), Some(half_v)], None) => {
                 let centre = self.vector("centre", centre)?;
-                let [half_u, half_v] = self.halves(half_u, half_v)?;
+                let [half_u, half_v] = self.half_vectors(half_u, half_v)?;
                 AreaShape::Rectangle { centre, half_u, half_v }
             }
             _ => {
@@ -132,14 +132,14 @@ impl SourceText<'_> {
     }
 
     /// Reads the two half vectors of a rectangle, which must not be zero and must be orthogonal.
-    fn halves(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
+    fn half_vectors(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
         let (u, v) = (self.vector("half_u", half_u)?, self.vector("half_v", half_v)?);
         for (what, vector, source) in [("half_u", u, half_u), ("half_v", v, half_v)] {
             if vector.try_normalize().is_none() {
                 return Err(self.error(source.span(), format!("{what} must not be zero")));
             }
         }
-        if u.normalize().dot(v.normalize()).abs() > ORTHOGONAL {
+        if u.normalize().dot(v.normalize()).abs() > MOST_COSINE {
             return Err(self.error(half_v.span(), "half_u and half_v must stand at right angles"));
         }
         Ok([u, v])

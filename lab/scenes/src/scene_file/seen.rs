@@ -8,30 +8,30 @@ use ssct_geometry::viewpoint::{self, Hit, Ray};
 use ssct_ground::math::frustum::Frustum;
 
 /// Number of columns of rays that are traced for a view.
-const ACROSS: u32 = 9;
+const COLUMNS: u32 = 9;
 /// Number of rays in a column.
-const DOWN: u32 = 5;
+const ROWS: u32 = 5;
 
 /// Greatest distance from a plane at which points count as lying in it, as a share of the scene's diagonal.
-const ONE_PLANE: f32 = 1e-3;
+const PLANE_TOLERANCE: f32 = 1e-3;
 
 /// Least cosine of the angle between normals that count as equal.
-const ALIKE: f32 = 0.9999;
+const LEAST_COSINE: f32 = 0.9999;
 
-/// Returns the warnings about the first `count` views of a scene, without the file's name. `unsaid` are the coordinates
-/// in which positions were read if the file names none, and `None` if it names them.
-pub(super) fn warnings(scene: &Scene, count: usize, unsaid: Option<Handedness>) -> Vec<String> {
+/// Returns the warnings about the first `count` views of a scene, without the file's name. `assumed` are the
+/// coordinates in which positions were read if the file names none, and `None` if it names them.
+pub(super) fn warnings(scene: &Scene, count: usize, assumed: Option<Handedness>) -> Vec<String> {
     let views = &scene.views[..count.min(scene.views.len())];
-    let faults = wrong(scene, views).into_iter().zip(views);
+    let faults = faults(scene, views).into_iter().zip(views);
     let warning = |(fault, view): (Option<&str>, &View)| {
-        Some(format!("[view.{}] {}{}", view.name, fault?, unsaid.map_or(String::new(), hint)))
+        Some(format!("[view.{}] {}{}", view.name, fault?, assumed.map_or(String::new(), hint)))
     };
     faults.filter_map(warning).collect()
 }
 
 /// Returns the fault of each view of a scene, as the end of a sentence: it sees nothing, only one flat surface, or a
 /// room from outside. The result is `None` for a view without a fault.
-pub fn wrong(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
+pub fn faults(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
     let bounds = scene.bounds();
     let diagonal = (bounds.max - bounds.min).length();
     let is_outside = |eye: Vec3| !(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all());
@@ -46,7 +46,7 @@ pub fn wrong(scene: &Scene, views: &[View]) -> Vec<Option<&'static str>> {
         if is_room && is_outside(view.eye) && !sees_a_front(view) {
             return Some("stands outside of the room and sees no front of its walls");
         }
-        next_to_nothing(scene, view, ONE_PLANE * diagonal)
+        fault_of_picture(scene, view, PLANE_TOLERANCE * diagonal)
     };
     views.iter().map(fault).collect()
 }
@@ -58,12 +58,12 @@ fn hint(read_as: Handedness) -> String {
         Handedness::Left => ("left", Handedness::Right),
         Handedness::Right => ("right", Handedness::Left),
     };
-    format!("; the file's places are read as {word}-handed: if they are not, write {}", other.key())
+    format!("; the file's places are read as {word}-handed: if they are not, write {}", other.toml_line())
 }
 
 /// Returns the fault of a view that sees nothing, or only one flat surface; `None` for any other view. `tolerance` is
 /// the greatest distance from a plane, in metres, at which points count as lying in it.
-fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'static str> {
+fn fault_of_picture(scene: &Scene, view: &View, tolerance: f32) -> Option<&'static str> {
     let camera = view.camera(scene, [16, 9]);
     let frustum = Frustum::new(&(camera.view_to_clip() * camera.world_to_view));
     if !scene.meshes.iter().any(|mesh| frustum.may_see(mesh.bounds.min, mesh.bounds.max)) {
@@ -72,13 +72,13 @@ fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'stati
     // A point and the normal of the first surface that a ray hits.
     let mut plane = None;
     // Rays are traced column by column, since most views show more than one surface in the first column.
-    for column in rays(&camera).chunks(DOWN as usize) {
+    for column in rays(&camera).chunks(ROWS as usize) {
         for (ray, hit) in column.iter().zip(viewpoint::first_hits(scene, column)) {
             // A view with a ray that hits nothing has no fault: this ray sees the sky.
-            let (point, normal) = (place(ray, &hit)?, hit.normal.normalize_or_zero());
+            let (point, normal) = (hit_point(ray, &hit)?, hit.normal.normalize_or_zero());
             let (plane_point, plane_normal) = *plane.get_or_insert((point, normal));
             let distance = (point - plane_point).dot(plane_normal).abs();
-            if normal.dot(plane_normal).abs() < ALIKE || distance > tolerance {
+            if normal.dot(plane_normal).abs() < LEAST_COSINE || distance > tolerance {
                 return None;
             }
         }
@@ -90,18 +90,18 @@ fn next_to_nothing(scene: &Scene, view: &View, tolerance: f32) -> Option<&'stati
 }
 
 /// Returns the point where a ray hits a surface; `None` if it hits none.
-fn place(ray: &Ray, hit: &Hit) -> Option<Vec3> {
+fn hit_point(ray: &Ray, hit: &Hit) -> Option<Vec3> {
     hit.distance.is_finite().then(|| ray.origin + hit.distance * ray.direction)
 }
 
 /// Returns rays that begin on the near plane and cover the whole picture, column by column.
 fn rays(camera: &Camera) -> Vec<Ray> {
     let to_world = (camera.view_to_clip() * camera.world_to_view).as_dmat4().inverse();
-    let pixels = (0..ACROSS).flat_map(|x| (0..DOWN).map(move |y| (x, y)));
+    let pixels = (0..COLUMNS).flat_map(|x| (0..ROWS).map(move |y| (x, y)));
     let ndc = |number: u32, count: u32| f64::from(2 * number + 1) / f64::from(count) - 1.0;
     let ray = |(x, y): (u32, u32)| {
         let [from, to] = [0.0, 0.5]
-            .map(|depth| to_world.project_point3(glam::DVec3::new(ndc(x, ACROSS), ndc(y, DOWN), depth)).as_vec3());
+            .map(|depth| to_world.project_point3(glam::DVec3::new(ndc(x, COLUMNS), ndc(y, ROWS), depth)).as_vec3());
         Ray { origin: from, direction: to - from }
     };
     pixels.map(ray).collect()

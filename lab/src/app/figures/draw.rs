@@ -1,13 +1,13 @@
 //! Composes figures from renders.
 
 use super::plate::FinishedFigure;
-use super::workshop::FigureRenderer;
+use super::renderer::FigureRenderer;
 use crate::error::Error;
 use crate::report::diagrams::{self, Fetches};
 use crate::report::gbuffer_pictures;
 use crate::report::images::{Rgb, display};
 use crate::report::sheet::{Part, difference, enlarged, framed, sheet};
-use crate::stage::{Intermediates, RenderedImage};
+use crate::stage::Intermediates;
 use crate::study::twin::hi_z_constants;
 use glam::{Vec2, Vec3};
 use ssct::gpu::Pixels;
@@ -20,13 +20,13 @@ use ssct_truth::reference::hi_z::MinMax;
 use ssct_truth::reference::hi_z_ray_trace::{End, HiZTrace, reflection_ray, trace};
 
 /// Places the renders side by side, two in a row.
-pub fn place_side_by_side(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    Ok(FinishedFigure::Picture(sheet(&rows(pictures(workshop, arguments)?))))
+pub fn place_side_by_side(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    Ok(FinishedFigure::Picture(sheet(&rows(render_all(renderer, arguments)?))))
 }
 
-/// The pictures of the renders, one for each element of `arguments`.
-fn pictures(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
-    Ok(arguments.iter().map(|a| workshop.picture(a)).collect::<crate::error::Result<_>>()?)
+/// Renders a picture for each element of `arguments`.
+fn render_all(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
+    Ok(arguments.iter().map(|a| renderer.render_picture(a)).collect::<crate::error::Result<_>>()?)
 }
 
 /// Arranges pictures in rows of two.
@@ -34,15 +34,17 @@ fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
     pictures.chunks(2).map(<[Rgb]>::to_vec).collect()
 }
 
-/// Figure 5.3: the enlarged part of the left wall, and its magnification.
-const WALL: (Part, u32) = ([0.02, 0.36, 0.25, 0.25], 4);
+/// Figure 5.3: the enlarged part of the left wall.
+const WALL: Part = [0.02, 0.36, 0.25, 0.25];
+
+/// The factor by which parts of pictures are enlarged.
+const MAGNIFICATION: u32 = 4;
 
 /// Two renders, each with the enlarged left wall below it.
-pub fn corridor_with_wall(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let pictures = pictures(workshop, arguments)?;
-    let (part, times) = WALL;
-    let above = pictures.iter().map(|p| framed(p, part)).collect();
-    let below = pictures.iter().map(|p| enlarged(p, part, times)).collect();
+pub fn corridor_with_wall(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let pictures = render_all(renderer, arguments)?;
+    let above = pictures.iter().map(|p| framed(p, WALL)).collect();
+    let below = pictures.iter().map(|p| enlarged(p, WALL, MAGNIFICATION)).collect();
     Ok(FinishedFigure::Picture(sheet(&[above, below])))
 }
 
@@ -50,8 +52,8 @@ pub fn corridor_with_wall(workshop: &mut FigureRenderer, arguments: &[String]) -
 const EXAGGERATION: u8 = 2;
 
 /// Two renders with their difference below.
-pub fn with_difference(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let pictures = pictures(workshop, arguments)?;
+pub fn with_difference(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let pictures = render_all(renderer, arguments)?;
     let [a, b] = &pictures[..] else { anyhow::bail!("a difference needs two pictures") };
     let difference = difference(a, b, EXAGGERATION)?;
     Ok(FinishedFigure::Picture(sheet(&[pictures, vec![difference]])))
@@ -61,9 +63,10 @@ pub fn with_difference(workshop: &mut FigureRenderer, arguments: &[String]) -> a
 const DETAILS: [Part; 2] = [[0.1, 0.6, 0.25, 0.25], [0.55, 0.6, 0.25, 0.25]];
 
 /// Places the renders in rows of two. Parts of the last render get a frame, and are enlarged in a row below.
-pub fn with_details(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let mut pictures = pictures(workshop, arguments)?;
-    let details: Vec<Rgb> = pictures.last().map(|p| DETAILS.map(|d| enlarged(p, d, 4)).to_vec()).unwrap_or_default();
+pub fn with_details(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let mut pictures = render_all(renderer, arguments)?;
+    let details: Vec<Rgb> =
+        pictures.last().map(|p| DETAILS.map(|d| enlarged(p, d, MAGNIFICATION)).to_vec()).unwrap_or_default();
     if let Some(last) = pictures.last_mut() {
         *last = DETAILS.iter().fold(last.clone(), |p, d| framed(&p, *d));
     }
@@ -72,26 +75,21 @@ pub fn with_details(workshop: &mut FigureRenderer, arguments: &[String]) -> anyh
     Ok(FinishedFigure::Picture(sheet(&rows)))
 }
 
-/// Makes the first render. Returns the rendered image, its intermediate images, and its camera.
-fn inside(
-    workshop: &mut FigureRenderer,
-    arguments: &[String],
-) -> anyhow::Result<(RenderedImage, Intermediates, Camera)> {
+/// Makes the first render. Returns its intermediate images and its camera.
+fn render_first(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<(Intermediates, Camera)> {
     let Some(first) = arguments.first() else { anyhow::bail!("the figure has no render") };
-    let (mut rendered, camera) = workshop.inside(first)?;
-    let all = rendered.intermediates.take().unwrap_or_default();
-    Ok((rendered, all, camera))
+    Ok(renderer.render_intermediates(first)?)
 }
 
 /// Returns the pixels of the intermediate image whose stem is `stem`.
-fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
-    let found = all.iter().find(|(name, ..)| name == stem).map(|(.., pixels)| pixels);
+fn find_image<'a>(images: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
+    let found = images.iter().find(|(name, ..)| name == stem).map(|(.., pixels)| pixels);
     found.ok_or_else(|| Error::usage(format!("the frame has no {stem}")))
 }
 
 /// Reads the Hi-Z chain of a frame from its intermediate images, with the finest level first.
-fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
-    let levels = all.iter().filter(|(_, content, _)| *content == Content::StandardDepth);
+fn read_hi_z(images: &Intermediates) -> Vec<Level<MinMax>> {
+    let levels = images.iter().filter(|(_, content, _)| *content == Content::StandardDepth);
     levels
         .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::from_texel).collect() })
         .collect()
@@ -108,23 +106,23 @@ fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
 }
 
 /// Figure 4.1: the Hi-Z chain of a frame with even sides.
-pub fn even_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let (_, all, _) = inside(workshop, arguments)?;
-    Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
+pub fn even_chain(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let (images, _) = render_first(renderer, arguments)?;
+    Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&read_hi_z(&images)), Fetches::Neighbours)))
 }
 
 /// Figure 4.2: a chain of minima over a frame with odd sides, each minimum of two by two texels.
-pub fn undersized_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let (_, all, _) = inside(workshop, arguments)?;
-    let chain = minima(&hi_z(&all));
+pub fn undersized_chain(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let (images, _) = render_first(renderer, arguments)?;
+    let chain = minima(&read_hi_z(&images));
     let Some(depth) = chain.first() else { anyhow::bail!("the frame has no Hi-Z chain") };
     Ok(FinishedFigure::Drawing(diagrams::chain(&diagrams::undersized(depth), Fetches::Neighbours)))
 }
 
 /// Figure 4.3: the Hi-Z chain of a frame with odd sides, by Eq. 4.1.
-pub fn odd_chain(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let (_, all, _) = inside(workshop, arguments)?;
-    Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Offset)))
+pub fn odd_chain(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let (images, _) = render_first(renderer, arguments)?;
+    Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&read_hi_z(&images)), Fetches::Offset)))
 }
 
 /// The numbers of iterations that can still be distinguished in figure 4.6.
@@ -132,10 +130,10 @@ const READABLE: std::ops::RangeInclusive<usize> = 10..=26;
 
 /// Figure 4.6: draws the ray that climbs to the highest level, of all rays that hit after a readable number of
 /// iterations. Of several such rays, it is the one that turns most often from going up to going down or back.
-pub fn ray(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let (_, all, camera) = inside(workshop, arguments)?;
-    let chain = hi_z(&all);
-    let normals = find(&all, "normal")?;
+pub fn ray(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let (images, camera) = render_first(renderer, arguments)?;
+    let chain = read_hi_z(&images);
+    let normals = find_image(&images, "normal")?;
     let extent = [normals.width, normals.height];
     let published: HiZParams = Setup::new(extent).parameters();
     let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
@@ -159,13 +157,16 @@ pub fn ray(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Resul
     Ok(FinishedFigure::Drawing(diagrams::ray(&best, &chain)))
 }
 
+/// The number of circles in the cone of figure 4.7.
+const CIRCLES: usize = 7;
+
 /// Figure 4.7: draws the cone of one pixel with a Hi-Z hit. The pixel is chosen so that its cone is about two fifths of
 /// the screen long and lies near the middle of the screen.
-pub fn cone(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let (_, all, _) = inside(workshop, arguments)?;
-    let (hits, lit) = (find(&all, "hits")?, find(&all, "color-0")?);
-    let roughness =
-        f64::from(super::workshop::parse(&arguments[0])?.common.place.roughness.first().copied().unwrap_or(0.0));
+pub fn cone(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let (images, _) = render_first(renderer, arguments)?;
+    let (hits, lit) = (find_image(&images, "hits")?, find_image(&images, "color-0")?);
+    let options = super::renderer::parse(&arguments[0])?;
+    let roughness = f64::from(options.common.place.roughness.first().copied().unwrap_or(0.0));
     let size = Vec2::new(hits.width as f32, hits.height as f32);
     // The place of pixel n and that of its hit, as shares of the screen's sides; `None` without a Hi-Z hit.
     let cone_ends = |(n, texel): (usize, &[f32])| {
@@ -181,21 +182,20 @@ pub fn cone(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Resu
     let Some((from, hit)) = best else { anyhow::bail!("no ray of this frame hits") };
     // Eq. 4.5, with the half angle of the lobe as this project defines it: half the roughness.
     let theta = 0.5 * roughness;
-    Ok(FinishedFigure::Drawing(diagrams::cone(from, hit, theta, 7, &display(lit))?))
+    Ok(FinishedFigure::Drawing(diagrams::cone(from, hit, theta, CIRCLES, &display(lit))?))
 }
 
 /// Schmidt's figure 27: the G-buffer of a frame.
-pub fn gbuffer(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
-    let (_, all, camera) = inside(workshop, arguments)?;
-    Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
+pub fn gbuffer(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let (images, camera) = render_first(renderer, arguments)?;
+    Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&images, &camera)?)))
 }
 
 /// Schmidt's figure 51: for each render, a picture of the reflectivity of its pixels.
-pub fn reflectivity(workshop: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+pub fn reflectivity(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let reflectivity_picture = |a: &String| -> anyhow::Result<Rgb> {
-        let (mut rendered, _) = workshop.inside(a)?;
-        let all = rendered.intermediates.take().unwrap_or_default();
-        Ok(gbuffer_pictures::reflectivity(find(&all, "material")?))
+        let (images, _) = renderer.render_intermediates(a)?;
+        Ok(gbuffer_pictures::reflectivity(find_image(&images, "material")?))
     };
     let pictures = arguments.iter().map(reflectivity_picture).collect::<anyhow::Result<Vec<_>>>()?;
     Ok(FinishedFigure::Picture(sheet(&rows(pictures))))

@@ -1,7 +1,7 @@
 //! An entry in the list of figures: what the printed figure shows, what differs here, which renders the figure is
 //! made of, and how they are composed.
 
-use super::workshop::FigureRenderer;
+use super::renderer::FigureRenderer;
 use crate::report::images::Rgb;
 use ssct_scenes::Scene;
 
@@ -118,8 +118,8 @@ impl Plate {
     /// that a file can hold, the arguments name the file in place of the built-in scene.
     pub fn arguments(&self, wanted: Option<[u32; 2]>, file: Option<&str>) -> Vec<String> {
         let [width, height] = match self.size {
-            Size::Print(own) => wanted.unwrap_or(own),
-            Size::Fixed(own) => own,
+            Size::Print(printed) => wanted.unwrap_or(printed),
+            Size::Fixed(fixed) => fixed,
         };
         let with_file = |arguments: &str| match (self.prints, file) {
             (Some((printed, _)), Some(file)) => {

@@ -20,14 +20,14 @@ fn leaves(command: &Command) -> Vec<(String, Command)> {
 }
 
 /// Returns every command without subcommands, with its path, arranged for the short or for the long help.
-fn all(is_short: bool) -> Vec<(String, Command)> {
+fn arranged_leaves(is_short: bool) -> Vec<(String, Command)> {
     let mut command = arranged_command(is_short).term_width(COLUMNS);
     command.build();
     leaves(&command)
 }
 
 /// Fails if a text has more lines or columns than the terminal.
-fn fits(text: &str, what: &str) {
+fn assert_fits(text: &str, what: &str) {
     assert!(text.lines().count() <= LINES, "{what} has {} lines:\n{text}", text.lines().count());
     for line in text.lines() {
         assert!(line.chars().count() <= COLUMNS, "{what}: {line:?} has {} columns", line.chars().count());
@@ -51,7 +51,7 @@ fn every_command_is_in_one_group() {
     assert_eq!(grouped, names);
     let mut command = arranged_command(false).term_width(COLUMNS);
     let text = command.render_long_help().to_string();
-    fits(&text, "ssct --help");
+    assert_fits(&text, "ssct --help");
     let titles: Vec<_> = GROUPS.iter().map(|(title, _)| text.find(&format!("\n{title}:\n")).expect(title)).collect();
     assert!(titles.is_sorted(), "{text}");
 }
@@ -59,11 +59,11 @@ fn every_command_is_in_one_group() {
 #[test]
 fn the_short_help_fits_a_screen_with_the_common_options_first() {
     const COMMON: [&str; 6] = ["scene", "view", "method", "size", "roughness", "output"];
-    for (path, mut command) in all(true) {
+    for (path, mut command) in arranged_leaves(true) {
         let has = |id: &&str| command.get_arguments().any(|a| a.get_id() == *id && !a.is_positional());
         let common: Vec<_> = COMMON.into_iter().filter(|id| has(id)).collect();
         let text = command.render_help().to_string();
-        fits(&text, &path);
+        assert_fits(&text, &path);
         assert_eq!(options(&text)[..common.len()], common, "{path}:\n{text}");
         let shown = command.get_arguments().filter(|a| !a.is_positional() && !a.is_hide_set()).count();
         let (_, options_text) = text.split_once("\nOptions:\n").expect("options");
@@ -76,7 +76,7 @@ fn the_short_help_fits_a_screen_with_the_common_options_first() {
 #[test]
 fn the_long_help_has_every_option_under_its_heading() {
     let effect_parameters = methods::EffectParams::table();
-    for (path, mut command) in all(false) {
+    for (path, mut command) in arranged_leaves(false) {
         let text = command.render_long_help().to_string();
         let runs_methods = command.get_arguments().any(|a| a.get_id() == "preset");
         let headings: Vec<&str> = HEADINGS.iter().map(|(heading, _)| *heading).collect();

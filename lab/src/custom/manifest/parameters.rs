@@ -8,10 +8,6 @@ use toml::Spanned;
 
 impl Manifest {
     /// Returns the method's own parameters. Their texts live as long as the program.
-    ///
-    /// # Errors
-    /// [`Malformed`](ssct_ground::Error::Malformed) for a default outside of its range and for other faults of a
-    /// section.
     pub fn parameters(&self) -> Result<Vec<Parameter>> {
         self.parameters.iter().map(|(name, section)| self.parameter(name, section)).collect()
     }

@@ -5,7 +5,8 @@ use super::sections::{BufferSection, ImageSection, InputSection, PassSection, Pa
 use crate::custom::built_in;
 use crate::custom::source::ImageSource;
 use crate::custom::values::Feed;
-use ssct_ground::{Error, Result};
+use ssct_ground::Result;
+use ssct_scenes::source_text::SourceText;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -58,7 +59,7 @@ pub struct Pass {
     /// The image and the level that the pass draws to, for each target.
     pub targets: Vec<(String, LevelOf)>,
     /// The extent that the pass runs over.
-    pub reach: PassDomain,
+    pub domain: PassDomain,
     /// The first and the last of the levels that the pass is recorded for, one after another.
     pub levels: Option<[u32; 2]>,
     /// True if each level of the pass is recorded right after the same level of the pass before it.
@@ -95,14 +96,14 @@ type Shared<'a> = (&'a BTreeMap<String, Spanned<InputSection>>, &'a BTreeMap<Str
 
 impl KnownNames<'_> {
     /// Checks a section `[[pass]]` and makes a pass of it. `inputs` and `values` are given to every pass, `parameters`
-    /// has the names of the method's parameters, and `wrong` makes an error of a place in the manifest and a message.
+    /// has the names of the method's parameters, and `source` is the manifest.
     pub(super) fn pass(
         &self,
         folder: &Path,
         section: &Spanned<PassSection>,
         (inputs, values): Shared,
         parameters: &[String],
-        wrong: &impl Fn(Range<usize>, String) -> Error,
+        source: &SourceText,
     ) -> Result<Pass> {
         let pass = section.get_ref();
         let file = folder.join(pass.shader.get_ref());
@@ -118,60 +119,25 @@ impl KnownNames<'_> {
         };
         let Some(stage) = pass.stage.or(stage_by_extension) else {
             let message = format!("{}: say stage = \"fragment\" or \"compute\"", pass.shader.get_ref().display());
-            return Err(wrong(pass.shader.span(), message));
+            return Err(source.error(pass.shader.span(), message));
         };
-        let image = |text: &Spanned<String>| -> Result<(String, LevelOf)> {
-            let (name, level) = level_of(text.get_ref()).map_err(|m| wrong(text.span(), m))?;
-            if !self.images.contains_key(name) {
-                return Err(wrong(text.span(), format!("there is no [image.{name}]")));
-            }
-            // A pass writes to one level alone: a name without a level means level 0.
-            let level = if level == LevelOf::All { LevelOf::Number(0) } else { level };
-            Ok((name.to_owned(), level))
-        };
-        let targets: Vec<_> = pass.targets.iter().map(image).collect::<Result<_>>()?;
-        let reach = match (stage, &pass.threads, pass.workgroups, &pass.indirect) {
-            (PassStage::Fragment, None, None, None) if !targets.is_empty() => PassDomain::Targets,
-            (PassStage::Fragment, ..) => {
-                return Err(wrong(
-                    section.span(),
-                    "a fragment pass has targets, and neither threads nor workgroups".into(),
-                ));
-            }
-            (PassStage::Compute, ..) if !targets.is_empty() => {
-                return Err(wrong(section.span(), "a compute pass has no targets; it stores to images".into()));
-            }
-            (PassStage::Compute, Some(threads), None, None) => {
-                let (name, level) = image(threads)?;
-                PassDomain::Threads(name, level)
-            }
-            (PassStage::Compute, None, Some(groups), None) => PassDomain::Workgroups(groups),
-            (PassStage::Compute, None, None, Some(buffer)) => {
-                if !self.buffers.contains_key(buffer.get_ref()) {
-                    return Err(wrong(buffer.span(), format!("there is no [buffer.{}]", buffer.get_ref())));
-                }
-                PassDomain::Indirect(buffer.get_ref().clone())
-            }
-            (PassStage::Compute, ..) => {
-                let message = "a compute pass says one of threads (an image), workgroups or indirect (a buffer)";
-                return Err(wrong(section.span(), message.into()));
-            }
-        };
+        let targets = pass.targets.iter().map(|text| self.written_level(text, source)).collect::<Result<Vec<_>>>()?;
+        let domain = self.domain(section, stage, !targets.is_empty(), source)?;
         let mut all_inputs = BTreeMap::new();
         for (name, input) in inputs.iter().chain(&pass.inputs) {
-            all_inputs.insert(name.clone(), self.input(input, wrong)?);
+            all_inputs.insert(name.clone(), self.input(input, source)?);
         }
         let mut all_values = BTreeMap::new();
         for (name, value) in values.iter().chain(&pass.values) {
-            let feed =
-                Feed::parse(value.get_ref(), parameters).map_err(|m| wrong(value.span(), format!("{name}: {m}")))?;
+            let feed = Feed::parse(value.get_ref(), parameters)
+                .map_err(|m| source.error(value.span(), format!("{name}: {m}")))?;
             all_values.insert(name.clone(), (feed, value.span()));
         }
         if pass.levels.is_some_and(|[first, last]| first > last || last > 31) {
-            return Err(wrong(section.span(), "levels must be the first and the last of some levels up to 31".into()));
+            return Err(source.error(section.span(), "levels must be the first and the last of some levels up to 31"));
         }
         if pass.interleaved && pass.levels.is_none() {
-            return Err(wrong(section.span(), "an interleaved pass has levels, as the pass before it has".into()));
+            return Err(source.error(section.span(), "an interleaved pass has levels, as the pass before it has"));
         }
         Ok(Pass {
             name: pass.name.get_ref().clone(),
@@ -180,7 +146,7 @@ impl KnownNames<'_> {
             stage,
             defines: pass.defines.clone(),
             targets,
-            reach,
+            domain,
             levels: pass.levels,
             interleaved: pass.interleaved,
             inputs: all_inputs,
@@ -189,12 +155,48 @@ impl KnownNames<'_> {
         })
     }
 
-    /// Checks an input, which is the name of a buffer, of an image of the method's own, or of another source.
-    fn input(
+    /// Reads the name of an image with the level that a pass writes; level 0 if the text names no level.
+    fn written_level(&self, text: &Spanned<String>, source: &SourceText) -> Result<(String, LevelOf)> {
+        let (name, level) = level_of(text.get_ref()).map_err(|m| source.error(text.span(), m))?;
+        if !self.images.contains_key(name) {
+            return Err(source.error(text.span(), format!("there is no [image.{name}]")));
+        }
+        Ok((name.to_owned(), if level == LevelOf::All { LevelOf::Number(0) } else { level }))
+    }
+
+    /// Returns the extent that a pass runs over, and refuses keys that do not fit its stage.
+    fn domain(
         &self,
-        section: &Spanned<InputSection>,
-        wrong: &impl Fn(Range<usize>, String) -> Error,
-    ) -> Result<PassInput> {
+        section: &Spanned<PassSection>,
+        stage: PassStage,
+        has_targets: bool,
+        source: &SourceText,
+    ) -> Result<PassDomain> {
+        let pass = section.get_ref();
+        let message = match (stage, &pass.threads, pass.workgroups, &pass.indirect) {
+            (PassStage::Fragment, None, None, None) if has_targets => return Ok(PassDomain::Targets),
+            (PassStage::Fragment, ..) => "a fragment pass has targets, and neither threads nor workgroups",
+            (PassStage::Compute, ..) if has_targets => "a compute pass has no targets; it stores to images",
+            (PassStage::Compute, Some(threads), None, None) => {
+                let (name, level) = self.written_level(threads, source)?;
+                return Ok(PassDomain::Threads(name, level));
+            }
+            (PassStage::Compute, None, Some(groups), None) => return Ok(PassDomain::Workgroups(groups)),
+            (PassStage::Compute, None, None, Some(buffer)) => {
+                if !self.buffers.contains_key(buffer.get_ref()) {
+                    return Err(source.error(buffer.span(), format!("there is no [buffer.{}]", buffer.get_ref())));
+                }
+                return Ok(PassDomain::Indirect(buffer.get_ref().clone()));
+            }
+            (PassStage::Compute, ..) => {
+                "a compute pass says one of threads (an image), workgroups or indirect (a buffer)"
+            }
+        };
+        Err(source.error(section.span(), message))
+    }
+
+    /// Checks an input, which is the name of a buffer, of an image of the method's own, or of another source.
+    fn input(&self, section: &Spanned<InputSection>, source: &SourceText) -> Result<PassInput> {
         let (text, sampler) = match section.get_ref() {
             InputSection::Plain(text) => (text, None),
             InputSection::With { image, sampler } => (image, Some(*sampler)),
@@ -206,11 +208,11 @@ impl KnownNames<'_> {
         let is_own = |name: &str| self.images.contains_key(name);
         // A level may follow the name of one of the method's own images.
         let (name, level) = match text.split_once(':') {
-            Some((name, _)) if is_own(name) => level_of(text).map_err(|m| wrong(span.clone(), m))?,
+            Some((name, _)) if is_own(name) => level_of(text).map_err(|m| source.error(span.clone(), m))?,
             _ => (text.as_str(), LevelOf::All),
         };
-        let source = ImageSource::parse(name, is_own).map_err(|m| wrong(span.clone(), m))?;
-        Ok(PassInput { what: InputKind::Image(source), sampler, level, span })
+        let image = ImageSource::parse(name, is_own).map_err(|m| source.error(span.clone(), m))?;
+        Ok(PassInput { what: InputKind::Image(image), sampler, level, span })
     }
 }
 

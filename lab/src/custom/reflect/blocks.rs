@@ -43,7 +43,7 @@ impl BlockLayout {
     pub(super) fn from_type(code: &SpirvCode, id: u32, variable: u32) -> Result<Self, String> {
         let mut block = Self { fields: Vec::new(), size: 0 };
         let reached = code.reached_members(variable);
-        for member in 0..code.members(id).len() as u32 {
+        for member in 0..code.member_types(id).len() as u32 {
             let first = block.fields.len();
             block.add_member(code, (id, member), 0, "")?;
             let is_read = reached.as_ref().is_none_or(|reached| reached.contains(&member));
@@ -65,7 +65,7 @@ impl BlockLayout {
                 _ => offset.saturating_add(code.plain_size(*ty).unwrap_or(0)),
             }
         };
-        (0..).zip(code.members(id)).map(end_of_member).max().unwrap_or(0)
+        (0..).zip(code.member_types(id)).map(end_of_member).max().unwrap_or(0)
     }
 
     /// Adds the member with the number `member` of the struct type `id`. The struct begins at the byte `start` of the
@@ -77,19 +77,19 @@ impl BlockLayout {
         start: u32,
         prefix: &str,
     ) -> Result<(), String> {
-        let value = |what: u32| code.member_decoration(id, member, what);
+        let decorated = |decoration: u32| code.member_decoration(id, member, decoration);
         let own_name = code.member_name(id, member);
         // If the module has no names, the number of the member takes the place of its name.
         let name = if own_name.is_empty() { format!("{prefix}{member}") } else { format!("{prefix}{own_name}") };
-        let offset = start.saturating_add(value(decoration::OFFSET).unwrap_or(0));
-        let matrix = (value(decoration::MATRIX_STRIDE).unwrap_or(16), value(decoration::ROW_MAJOR).is_some());
-        let ty = code.members(id)[member as usize];
-        self.add(code, ty, (offset, matrix), name)
+        let offset = start.saturating_add(decorated(decoration::OFFSET).unwrap_or(0));
+        let matrix = (decorated(decoration::MATRIX_STRIDE).unwrap_or(16), decorated(decoration::ROW_MAJOR).is_some());
+        let ty = code.member_types(id)[member as usize];
+        self.add_value(code, ty, (offset, matrix), name)
     }
 
     /// Adds the fields of a value of type `id` at the byte `offset`, with every element of its arrays. `matrix` has the
     /// stride of its matrices in bytes, and whether the matrices are stored row by row.
-    fn add(
+    fn add_value(
         &mut self,
         code: &SpirvCode,
         id: u32,
@@ -111,9 +111,9 @@ impl BlockLayout {
             elements = elements.iter().flat_map(|start| (0..count).map(move |n| start + n * stride)).collect();
             ty = array.word(1);
         }
-        if code.members(ty).is_empty() {
+        if code.member_types(ty).is_empty() {
             let field =
-                numbers(code, ty, &elements, matrix).ok_or_else(|| format!("has a field {name} of no number"))?;
+                number_field(code, ty, &elements, matrix).ok_or_else(|| format!("has a field {name} of no number"))?;
             if field.places.iter().any(|place| *place > MAX_BYTES - 4) {
                 return Err(too_large(&name));
             }
@@ -125,7 +125,7 @@ impl BlockLayout {
         }
         for (element, start) in elements.iter().enumerate() {
             let prefix = if ty == id { format!("{name}.") } else { format!("{name}[{element}].") };
-            for member in 0..code.members(ty).len() as u32 {
+            for member in 0..code.member_types(ty).len() as u32 {
                 self.add_member(code, (ty, member), *start, &prefix)?;
             }
         }
@@ -140,13 +140,18 @@ fn too_large(name: &str) -> String {
 
 /// Makes a field, still without a name, of numbers of the type `ty`, whose elements begin at the bytes `elements`. The
 /// matrices in it have a stride in bytes, and may be stored row by row. `None` for a type that has no numbers.
-fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): (u32, bool)) -> Option<BlockField> {
+fn number_field(
+    code: &SpirvCode,
+    ty: u32,
+    elements: &[u32],
+    (stride, is_row_major): (u32, bool),
+) -> Option<BlockField> {
     let definition = code.definition(ty)?;
     let (columns, vector) = match definition.opcode {
         op::TYPE_MATRIX => (definition.word(2), definition.word(1)),
         _ => (1, ty),
     };
-    let (component, rows) = code.numbers(vector)?;
+    let (component, rows) = code.number_type(vector)?;
     if columns > 4 || rows > 4 {
         return None;
     }

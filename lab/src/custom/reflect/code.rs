@@ -82,13 +82,13 @@ impl<'a> Instruction<'a> {
     }
 
     /// The operands from an index on; empty if there are fewer.
-    fn from(&self, index: usize) -> &'a [u32] {
+    fn operands_from(&self, index: usize) -> &'a [u32] {
         self.operands.get(index..).unwrap_or_default()
     }
 
     /// The operands that may be pointers, for instructions that read, write or hand on a pointer. Other instructions have numbers among
     /// their operands, which may look like ids.
-    fn pointers(&self) -> &'a [u32] {
+    fn pointer_operands(&self) -> &'a [u32] {
         const CALL: u16 = Op::FunctionCall as u16;
         const TEXEL_POINTER: u16 = Op::ImageTexelPointer as u16;
         const LOAD: u16 = Op::Load as u16;
@@ -103,9 +103,11 @@ impl<'a> Instruction<'a> {
         const LAST_CHAIN: u16 = Op::InBoundsPtrAccessChain as u16;
         match self.opcode {
             STORE | COPY_MEMORY | COPY_MEMORY_SIZED => &self.operands[..self.operands.len().min(2)],
-            LOAD | TEXEL_POINTER | ARRAY_LENGTH | COPY_OBJECT => &self.from(2)[..self.from(2).len().min(1)],
-            op::ACCESS_CHAIN..=LAST_CHAIN => &self.from(2)[..self.from(2).len().min(1)],
-            CALL | SELECT | PHI => self.from(2),
+            LOAD | TEXEL_POINTER | ARRAY_LENGTH | COPY_OBJECT => {
+                &self.operands_from(2)[..self.operands_from(2).len().min(1)]
+            }
+            op::ACCESS_CHAIN..=LAST_CHAIN => &self.operands_from(2)[..self.operands_from(2).len().min(1)],
+            CALL | SELECT | PHI => self.operands_from(2),
             other if ATOMICS.contains(&other) => self.operands,
             _ => &[],
         }
@@ -165,9 +167,9 @@ impl<'a> SpirvCode<'a> {
             }
             in_function |= instruction.opcode == op::FUNCTION;
             if in_function {
-                code.used.extend(instruction.pointers());
+                code.used.extend(instruction.pointer_operands());
             } else {
-                code.note(instruction);
+                code.add_to_tables(instruction);
             }
             code.instructions.push(instruction);
             position += length;
@@ -176,7 +178,7 @@ impl<'a> SpirvCode<'a> {
     }
 
     /// Adds an instruction outside of functions to the tables.
-    fn note(&mut self, i: Instruction<'a>) {
+    fn add_to_tables(&mut self, i: Instruction<'a>) {
         match i.opcode {
             op::NAME => {
                 self.names.insert(i.word(0), i.text(1));
@@ -211,15 +213,15 @@ impl<'a> SpirvCode<'a> {
     /// Returns how deep types are nested within the type that an instruction defines; `None` if that is too deep, or if
     /// one of the types is not known.
     fn depth_of(&self, i: &Instruction) -> Option<u32> {
-        const MOST: u32 = 64;
+        const MOST_DEPTH: u32 = 64;
         let parts = match i.opcode {
             op::TYPE_VECTOR | op::TYPE_MATRIX | op::TYPE_ARRAY | op::TYPE_RUNTIME_ARRAY => i.operands.get(1..2)?,
             op::TYPE_IMAGE | op::TYPE_SAMPLED_IMAGE => i.operands.get(1..2)?,
-            op::TYPE_STRUCT => i.from(1),
+            op::TYPE_STRUCT => i.operands_from(1),
             _ => &[],
         };
-        let deepest = parts.iter().try_fold(0, |most, part| Some(self.depths.get(part)?.max(&most).to_owned()))?;
-        (deepest < MOST).then_some(deepest + 1)
+        let deepest = parts.iter().try_fold(0, |deepest, part| Some((*self.depths.get(part)?).max(deepest)))?;
+        (deepest < MOST_DEPTH).then_some(deepest + 1)
     }
 
     /// Returns the size in bytes of the type that an instruction defines, without a layout: numbers lie without gaps.
@@ -230,13 +232,13 @@ impl<'a> SpirvCode<'a> {
             op::TYPE_INT | op::TYPE_FLOAT => Some(i.word(1) / 8),
             op::TYPE_VECTOR | op::TYPE_MATRIX => size(i.word(1))?.checked_mul(i.word(2)),
             op::TYPE_ARRAY => size(i.word(1))?.checked_mul(self.constant(i.word(2))?),
-            op::TYPE_STRUCT => i.from(1).iter().try_fold(0_u32, |sum, m| sum.checked_add(size(*m)?)),
+            op::TYPE_STRUCT => i.operands_from(1).iter().try_fold(0_u32, |sum, m| sum.checked_add(size(*m)?)),
             _ => None,
         }
     }
 
     /// Returns the instructions with an opcode.
-    pub fn all(&self, opcode: u16) -> impl Iterator<Item = Instruction<'a>> + '_ {
+    pub fn with_opcode(&self, opcode: u16) -> impl Iterator<Item = Instruction<'a>> + '_ {
         self.instructions.iter().copied().filter(move |i| i.opcode == opcode)
     }
 
@@ -277,7 +279,7 @@ impl<'a> SpirvCode<'a> {
         let start = self.instructions.iter().position(|i| i.opcode == op::FUNCTION)?;
         let body = &self.instructions[start..];
         // Only access chains name a member, as the constant after the variable.
-        let is_used_whole = body.iter().filter(|i| !chains(i)).any(|i| i.pointers().contains(&variable));
+        let is_used_whole = body.iter().filter(|i| !chains(i)).any(|i| i.pointer_operands().contains(&variable));
         let members = body.iter().filter(chains).filter(|i| i.word(2) == variable);
         let members: Option<HashSet<u32>> = members.map(|i| self.constant(i.word(3))).collect();
         members.filter(|_| !is_used_whole)
@@ -296,10 +298,10 @@ impl<'a> SpirvCode<'a> {
 
     /// Returns the type of an array's elements, and how many there are in all its dimensions. A type that is no array
     /// is returned with 1.
-    pub fn element(&self, id: u32) -> (u32, u32) {
+    pub fn array_element(&self, id: u32) -> (u32, u32) {
         match self.definition(id) {
             Some(array) if array.opcode == op::TYPE_ARRAY => {
-                let (inner, count) = self.element(array.word(1));
+                let (inner, count) = self.array_element(array.word(1));
                 (inner, count.saturating_mul(self.constant(array.word(2)).unwrap_or(1)))
             }
             Some(array) if array.opcode == op::TYPE_RUNTIME_ARRAY => (array.word(1), u32::MAX),
@@ -308,7 +310,7 @@ impl<'a> SpirvCode<'a> {
     }
 
     /// The ids of the types of a struct's members; none for a type that is no struct.
-    pub fn members(&self, id: u32) -> &'a [u32] {
+    pub fn member_types(&self, id: u32) -> &'a [u32] {
         match self.definitions.get(&id) {
             Some(Instruction { opcode: op::TYPE_STRUCT, operands }) => operands.get(1..).unwrap_or_default(),
             _ => &[],
@@ -317,14 +319,16 @@ impl<'a> SpirvCode<'a> {
 
     /// Returns the type and the count of the numbers in a scalar or a vector of 32-bit numbers; `None` for any other
     /// type.
-    pub fn numbers(&self, id: u32) -> Option<(Component, u32)> {
+    pub fn number_type(&self, id: u32) -> Option<(Component, u32)> {
         let definition = self.definition(id)?;
         match definition.opcode {
             op::TYPE_FLOAT if definition.word(1) == 32 => Some((Component::Float, 1)),
             op::TYPE_INT if definition.word(1) == 32 => {
                 Some((if definition.word(2) == 1 { Component::Int } else { Component::Uint }, 1))
             }
-            op::TYPE_VECTOR => self.numbers(definition.word(1)).map(|(component, _)| (component, definition.word(2))),
+            op::TYPE_VECTOR => {
+                self.number_type(definition.word(1)).map(|(component, _)| (component, definition.word(2)))
+            }
             _ => None,
         }
     }
@@ -336,14 +340,14 @@ impl<'a> SpirvCode<'a> {
 
     /// True if a struct has members that are built-in variables, such as `gl_Position`.
     pub fn has_built_in_members(&self, id: u32) -> bool {
-        let (element, _) = self.element(id);
+        let (element, _) = self.array_element(id);
         let built_in = |m: usize| self.member_decoration(element, m as u32, decoration::BUILT_IN).is_some();
-        (0..self.members(element).len()).any(built_in)
+        (0..self.member_types(element).len()).any(built_in)
     }
 
     /// True if a variable, or every member of its block, is declared `readonly`.
     pub fn is_read_only(&self, id: u32, block: u32) -> bool {
-        let members = self.members(block).len() as u32;
+        let members = self.member_types(block).len() as u32;
         let is_member_read_only = |m: u32| self.member_decoration(block, m, decoration::NON_WRITABLE).is_some();
         (members > 0 && (0..members).all(is_member_read_only))
             || self.decoration(id, decoration::NON_WRITABLE).is_some()
@@ -360,16 +364,17 @@ impl<'a> SpirvCode<'a> {
             let size: Option<Vec<u32>> = ids.iter().take(3).map(|id| self.constant(*id)).collect();
             size.and_then(|size| size.try_into().ok()).ok_or_else(unknown)
         };
-        let composites = [op::CONSTANT_COMPOSITE, op::SPEC_CONSTANT_COMPOSITE].into_iter().flat_map(|o| self.all(o));
+        let composites =
+            [op::CONSTANT_COMPOSITE, op::SPEC_CONSTANT_COMPOSITE].into_iter().flat_map(|o| self.with_opcode(o));
         for composite in composites {
             if self.decoration(composite.word(1), decoration::BUILT_IN) == Some(WORKGROUP_SIZE) {
-                return values_of(composite.from(2));
+                return values_of(composite.operands_from(2));
             }
         }
-        if let Some(mode) = self.all(op::EXECUTION_MODE_ID).find(|m| m.word(1) == LOCAL_SIZE_ID) {
-            return values_of(mode.from(2));
+        if let Some(mode) = self.with_opcode(op::EXECUTION_MODE_ID).find(|m| m.word(1) == LOCAL_SIZE_ID) {
+            return values_of(mode.operands_from(2));
         }
-        let mode = self.all(op::EXECUTION_MODE).find(|m| m.word(1) == LOCAL_SIZE);
+        let mode = self.with_opcode(op::EXECUTION_MODE).find(|m| m.word(1) == LOCAL_SIZE);
         Ok(mode.map_or([1; 3], |m| [m.word(2), m.word(3), m.word(4)]))
     }
 

@@ -54,11 +54,12 @@ pub fn undersized(depth: &Level<f32>) -> Vec<Level<f32>> {
 /// colour marks the cell. Texels that no cell reads are crossed out. A cell that misses the least depth of its area also shows this depth.
 pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
     let levels = &levels[..levels.len().min(4)];
-    let width: f32 = levels.iter().map(|l| column(l) + GAP).sum();
+    let width: f32 = levels.iter().map(|l| column_width(l) + GAP).sum();
     let height = levels.first().map_or(0.0, |l| l.height as f32 * CELL);
     let mut svg = Svg::new(Vec2::new(width - GAP + 2.0 * MARGIN, height + HEAD + FOOT));
-    let (low, high) = bounds(levels);
+    let (low, high) = depth_range(levels);
     let mut x = MARGIN;
+    // The number of cells that miss the least depth of their area, and whether there are texels that no cell reads.
     let (mut wrong, mut unread) = (0, false);
     for (n, level) in levels.iter().enumerate() {
         let corner = Vec2::new(x, HEAD);
@@ -74,18 +75,19 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
                 let middle = cell_corner + Vec2::new(0.5 * CELL, 0.5 * CELL + 5.0);
                 svg.text(middle, 14.0, r#"text-anchor="middle""#, &depth_text(z));
                 if n > 0 {
-                    wrong += u32::from(cell_of(&mut svg, cell_corner, level, [x, y], z, &levels[0]));
+                    wrong += u32::from(draw_frame(&mut svg, cell_corner, level, [x, y], z, &levels[0]));
                 }
             }
         }
         if let Some(above) = levels.get(n + 1) {
-            unread |= marks(&mut svg, corner, level, above, fetches);
+            unread |= draw_marks(&mut svg, corner, level, above, fetches);
         }
-        x += column(level) + GAP;
+        x += column_width(level) + GAP;
     }
-    let mut notes =
-        vec!["Standard depth (0 near, 1 far). Small squares: texels that are fetched; the frame of their colour:"];
-    notes.push("the cell made of them.");
+    let mut notes = vec![
+        "Standard depth (0 near, 1 far). Small squares: texels that are fetched; the frame of their colour:",
+        "the cell made of them.",
+    ];
     if unread {
         notes.push("Crossed out: read by no cell.");
     }
@@ -100,26 +102,26 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
 }
 
 /// The least and the greatest depth of all levels.
-fn bounds(levels: &[Level<f32>]) -> (f32, f32) {
+fn depth_range(levels: &[Level<f32>]) -> (f32, f32) {
     let all = levels.iter().flat_map(|l| &l.texels);
     all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)))
 }
 
 /// Width of a level's drawing, with room for its title.
-fn column(level: &Level<f32>) -> f32 {
+fn column_width(level: &Level<f32>) -> f32 {
     (level.width as f32 * CELL).max(96.0)
 }
 
 /// Returns the colour of the cell at `x`, `y`. It repeats after three cells, so that all eight neighbours differ from
 /// it.
-fn color([x, y]: [u32; 2]) -> &'static str {
+fn cell_color([x, y]: [u32; 2]) -> &'static str {
     COLORS[(x % 3 + 3 * (y % 3)) as usize]
 }
 
 /// Draws the frame of a cell of depth `z`. If the least depth in its area is less than `z`, also draws that depth and
 /// returns true.
-fn cell_of(svg: &mut Svg, corner: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
-    let frame = format!(r#"fill="none" stroke="{}" stroke-width="3""#, color(cell));
+fn draw_frame(svg: &mut Svg, corner: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
+    let frame = format!(r#"fill="none" stroke="{}" stroke-width="3""#, cell_color(cell));
     svg.rect(corner + 2.0, Vec2::splat(CELL - 4.0), &frame);
     let least = least_within(level, cell, finest);
     if least < z {
@@ -139,7 +141,7 @@ fn least_within(level: &Level<f32>, [x, y]: [u32; 2], finest: &Level<f32>) -> f3
 }
 
 /// Draws squares on texels that the level above fetches, and crosses on all others; returns whether there are crosses.
-fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fetches: Fetches) -> bool {
+fn draw_marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fetches: Fetches) -> bool {
     let mut read = vec![false; level.texels.len()];
     for y in 0..above.height {
         for x in 0..above.width {
@@ -151,7 +153,7 @@ fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fe
                 let mark_place = Vec2::new((x % 2) as f32, (y % 2) as f32);
                 let mark_corner =
                     corner + CELL * Vec2::new(i as f32, j as f32) + 3.0 + mark_place * (CELL - MARK - 6.0);
-                svg.rect(mark_corner, Vec2::splat(MARK), &format!(r#"fill="{}""#, color([x, y])));
+                svg.rect(mark_corner, Vec2::splat(MARK), &format!(r#"fill="{}""#, cell_color([x, y])));
             }
         }
     }

@@ -20,10 +20,10 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
         picture.width,
         picture.height
     ));
-    let way = hit - from;
-    let (length, along) = (f64::from(way.length()), way.normalize_or_zero());
-    let side = along.perp() * (0.5 * isosceles_triangle_base(length, theta)) as f32;
-    let triangle = [from, hit + side, hit - side, from].map(|p| p * screen);
+    let axis = hit - from;
+    let (length, along) = (f64::from(axis.length()), axis.normalize_or_zero());
+    let half_base = along.perp() * (0.5 * isosceles_triangle_base(length, theta)) as f32;
+    let triangle = [from, hit + half_base, hit - half_base, from].map(|p| p * screen);
     svg.polyline(triangle.into_iter(), r##"fill="#fff" fill-opacity="0.12" stroke="#fff" stroke-width="2""##);
     let mut level_texts = Vec::new();
     for (n, c) in circles(length, theta, count, false).iter().enumerate() {
@@ -31,8 +31,8 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
         let color = COLORS[n % COLORS.len()];
         let attributes = format!(r#"fill="{color}" fill-opacity="0.25" stroke="{color}" stroke-width="2""#);
         svg.circle(middle, screen * c.radius as f32, &attributes);
-        let mip = (c.radius * f64::from(screen.max_element())).log2().max(0.0);
-        level_texts.push(format!("{}: level {mip:.1}", n + 1));
+        let level = (c.radius * f64::from(screen.max_element())).log2().max(0.0);
+        level_texts.push(format!("{}: level {level:.1}", n + 1));
         if c.radius * f64::from(screen.y) > 9.0 {
             let attributes = r##"text-anchor="middle" fill="#fff" font-weight="bold""##;
             svg.text(middle + Vec2::new(0.0, 5.0), 14.0, attributes, &(n + 1).to_string());

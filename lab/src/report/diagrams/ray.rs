@@ -23,19 +23,19 @@ const TOP: f32 = 34.0;
 /// Draws the traversal of a Hi-Z chain by one ray, as SVG.
 pub fn ray(trace: &HiZTrace, chain: &[Level<MinMax>]) -> String {
     let mut svg = Svg::new(Vec2::new(WIDTH, TOP + PROFILE + GAP + LOWER));
-    profile(&mut svg, trace, chain);
+    draw_profile(&mut svg, trace, chain);
     let top = TOP + PROFILE + GAP;
-    levels(&mut svg, trace, Vec2::new(LEFT, top));
-    screen(&mut svg, trace, chain, Vec2::new(0.5 * WIDTH + 40.0, top));
+    draw_levels(&mut svg, trace, Vec2::new(LEFT, top));
+    draw_screen(&mut svg, trace, chain, Vec2::new(0.5 * WIDTH + 40.0, top));
     svg.finish()
 }
 
 /// The colour of cells of a level.
-fn color(level: u32) -> &'static str {
+fn level_color(level: u32) -> &'static str {
     COLORS[level as usize % COLORS.len()]
 }
 
-/// The mapping of a drawing that shows depth over the way on the screen, which is the distance from the ray's start.
+/// The mapping of a drawing that shows depth over the distance on the screen from the ray's start.
 struct Profile {
     /// The start of the ray: texture coordinates and depth.
     from: Vec3,
@@ -43,7 +43,7 @@ struct Profile {
     along: Vec2,
     /// Width and height of the screen in pixels.
     pixels: Vec2,
-    /// The length in pixels of the way that is drawn.
+    /// The distance in pixels at the right border of the drawing.
     length: f32,
     /// The depths at the lower and at the upper border of the drawing.
     depth: [f32; 2],
@@ -53,22 +53,28 @@ impl Profile {
     /// Makes a mapping that has room for the whole ray, and for all depths that the ray and the cells have.
     fn new(trace: &HiZTrace, chain: &[Level<MinMax>]) -> Self {
         let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
-        let way = (trace.last() - trace.from).xy() * pixels;
+        let on_screen = (trace.last() - trace.from).xy() * pixels;
         let far = trace.steps.iter().map(|s| s.minimum_plane.max(s.ray.z)).fold(trace.from.z, f32::max);
         let room = 0.08 * (far - trace.from.z);
         let depth = [trace.from.z - room, far + room];
-        Self { from: trace.from, along: way.normalize_or_zero(), pixels, length: way.length() * 1.04, depth }
+        Self {
+            from: trace.from,
+            along: on_screen.normalize_or_zero(),
+            pixels,
+            length: on_screen.length() * 1.04,
+            depth,
+        }
     }
 
-    /// The way in pixels from the ray's start to a point of the ray, which is given by its texture coordinates.
-    fn way(&self, uv: Vec2) -> f32 {
+    /// The distance in pixels from the ray's start to a point of the ray, which is given by its texture coordinates.
+    fn distance(&self, uv: Vec2) -> f32 {
         ((uv - self.from.xy()) * self.pixels).dot(self.along)
     }
 
-    /// The point of the drawing, in its pixels, for a way in pixels and a depth.
-    fn place(&self, way: f32, depth: f32) -> Vec2 {
+    /// The point of the drawing, in its pixels, for a distance in pixels from the ray's start and a depth.
+    fn point(&self, distance: f32, depth: f32) -> Vec2 {
         let share = (depth - self.depth[0]) / (self.depth[1] - self.depth[0]);
-        Vec2::new(LEFT + way / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
+        Vec2::new(LEFT + distance / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
     }
 
     /// The distances in pixels from the ray's start at which its line enters and leaves a cell, limited to the drawing;
@@ -90,7 +96,7 @@ impl Profile {
 }
 
 /// Draws the profile: the depth buffer under the ray, the cells that were read, and the points of the ray.
-fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
+fn draw_profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     let p = Profile::new(trace, chain);
     let (corner, size) = (Vec2::new(LEFT, TOP), Vec2::new(WIDTH - LEFT - 24.0, PROFILE));
     svg.text(Vec2::new(LEFT, TOP - 12.0), 15.0, "", "From the side: depth over the way on the screen");
@@ -102,26 +108,26 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
         let ends = [n, n + 1].map(|n| n as f32 / count as f32 * p.length);
         let pixel = p.from.xy() * p.pixels + p.along * (0.5 * (ends[0] + ends[1]));
         let z = finest.at_clamped(pixel.x.max(0.0) as u32, pixel.y.max(0.0) as u32).min;
-        let bar_corner = p.place(ends[0], p.depth[1]);
-        svg.rect(bar_corner, p.place(ends[1], z) - bar_corner + Vec2::new(0.4, 0.0), r##"fill="#9a9a9a""##);
+        let bar_corner = p.point(ends[0], p.depth[1]);
+        svg.rect(bar_corner, p.point(ends[1], z) - bar_corner + Vec2::new(0.4, 0.0), r##"fill="#9a9a9a""##);
     }
     for step in &trace.steps {
-        cell(svg, &p, step);
+        draw_cell(svg, &p, step);
     }
     // The ray itself, and a point where each iteration left it.
     let points = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
-    svg.polyline(points.map(|r| p.place(p.way(r.xy()), r.z)), r##"fill="none" stroke="#111" stroke-width="1.6""##);
+    svg.polyline(points.map(|r| p.point(p.distance(r.xy()), r.z)), r##"fill="none" stroke="#111" stroke-width="1.6""##);
     for (n, step) in trace.steps.iter().enumerate() {
-        let point = p.place(p.way(step.ray.xy()), step.ray.z);
+        let point = p.point(p.distance(step.ray.xy()), step.ray.z);
         svg.circle(
             point,
             Vec2::splat(3.2),
-            &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, color(step.level)),
+            &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, level_color(step.level)),
         );
         // A number is left out if its point is so near to the point before that it would cover the number there.
         let crowded = n > 0 && {
             let before = trace.steps[n - 1].ray;
-            p.place(p.way(before.xy()), before.z).distance(point) < 9.0
+            p.point(p.distance(before.xy()), before.z).distance(point) < 9.0
         };
         if !crowded {
             svg.text(point + Vec2::new(4.0, 13.0), 10.0, "", &(n + 1).to_string());
@@ -129,7 +135,7 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     }
     // The depths at the lower and at the upper border.
     for z in p.depth {
-        let position = p.place(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
+        let position = p.point(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
         svg.text(position, 12.0, r#"text-anchor="end""#, &depth_text(z));
     }
     let foot = TOP + PROFILE + 18.0;
@@ -144,20 +150,20 @@ fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
 }
 
 /// Draws a cell that an iteration read, from its minimum depth to the greatest depth of the drawing.
-fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
+fn draw_cell(svg: &mut Svg, p: &Profile, step: &Step) {
     let span = p.span(step.cell, step.cell_count);
     if span[1] <= span[0] {
         return;
     }
-    let corner = p.place(span[0], p.depth[1]);
-    let size = p.place(span[1], step.minimum_plane) - corner;
-    let c = color(step.level);
+    let corner = p.point(span[0], p.depth[1]);
+    let size = p.point(span[1], step.minimum_plane) - corner;
+    let c = level_color(step.level);
     let attributes = format!(r#"fill="{c}" fill-opacity="0.12" stroke="{c}" stroke-width="1.4""#);
     svg.rect(corner, size.max(Vec2::ZERO), &attributes);
 }
 
 /// Draws a plot of the level that each iteration reads.
-fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
+fn draw_levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     let most = trace.steps.iter().map(|s| s.level).max().unwrap_or(0).max(1);
     let size = Vec2::new(0.5 * WIDTH - 60.0, LOWER - 40.0);
     svg.text(corner + Vec2::new(0.0, -12.0), 15.0, "", "Level that each iteration reads");
@@ -174,7 +180,7 @@ fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     let points = trace.steps.iter().enumerate().map(|(n, s)| place(n, s.level));
     svg.polyline(points, r##"fill="none" stroke="#111""##);
     for (n, s) in trace.steps.iter().enumerate() {
-        svg.circle(place(n, s.level), Vec2::splat(3.6), &format!(r#"fill="{}""#, color(s.level)));
+        svg.circle(place(n, s.level), Vec2::splat(3.6), &format!(r#"fill="{}""#, level_color(s.level)));
     }
     let last = trace.steps.len();
     let foot = corner.y + size.y + 18.0;
@@ -183,7 +189,7 @@ fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
 }
 
 /// Draws the cells that were read, and the ray, where they lie on the screen.
-fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2) {
+fn draw_screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2) {
     let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
     let room = Vec2::new(WIDTH - corner.x - 24.0, LOWER - 40.0);
     let scale = (room / pixels).min_element();
@@ -199,7 +205,7 @@ fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2
     cells.sort_by_key(|s| std::cmp::Reverse(s.level));
     for s in cells {
         let size = pixels / s.cell_count * scale;
-        let c = color(s.level);
+        let c = level_color(s.level);
         let attributes = format!(r#"fill="{c}" fill-opacity="0.25" stroke="{c}""#);
         svg.rect(corner + s.cell * size, size, &attributes);
     }

@@ -43,30 +43,27 @@ impl PictureFolder {
         &self.place
     }
 
-    /// Embeds the picture at the path `file` in the folder, unless it is embedded already. A picture wider than `most`
+    /// Embeds the picture at the path `file` in the folder, unless it is embedded already. A picture wider than `widest`
     /// pixels is scaled down.
-    ///
-    /// # Errors
-    /// [`Io`](ssct_ground::Error::Io) for a file that cannot be read as a picture.
-    pub(super) fn embed(&self, file: &str, most: u32) -> Result<Rc<EmbeddedPicture>> {
+    pub(super) fn embed(&self, file: &str, widest: u32) -> Result<Rc<EmbeddedPicture>> {
         if let Some(known) = self.embedded.borrow().get(file) {
             return Ok(Rc::clone(known));
         }
-        let made = Rc::new(embed(&self.place.join(file), most)?);
-        self.embedded.borrow_mut().insert(file.to_owned(), Rc::clone(&made));
-        Ok(made)
+        let embedded = Rc::new(embed(&self.place.join(file), widest)?);
+        self.embedded.borrow_mut().insert(file.to_owned(), Rc::clone(&embedded));
+        Ok(embedded)
     }
 }
 
-/// Embeds a PNG file as a JPEG, or unchanged if the JPEG is no smaller. A picture wider than `most` pixels is scaled
+/// Embeds a PNG file as a JPEG, or unchanged if the JPEG is no smaller. A picture wider than `widest` pixels is scaled
 /// down and is always a JPEG.
-pub fn embed(place: &PathInFolder, most: u32) -> Result<EmbeddedPicture> {
+pub fn embed(place: &PathInFolder, widest: u32) -> Result<EmbeddedPicture> {
     let png = place.bytes()?;
     let wrong = |e: image::ImageError| Error::io("read", place.path(), std::io::Error::other(e));
     let pixels = image::load_from_memory(&png).map_err(wrong)?.into_rgb8();
-    if pixels.width() > most {
-        let height = (u64::from(pixels.height()) * u64::from(most) / u64::from(pixels.width())).max(1) as u32;
-        return jpeg(&imageops::resize(&pixels, most, height, imageops::FilterType::Triangle)).map_err(wrong);
+    if pixels.width() > widest {
+        let height = (u64::from(pixels.height()) * u64::from(widest) / u64::from(pixels.width())).max(1) as u32;
+        return jpeg(&imageops::resize(&pixels, widest, height, imageops::FilterType::Triangle)).map_err(wrong);
     }
     let as_jpeg = jpeg(&pixels).map_err(wrong)?;
     let png_uri = uri("png", &png);

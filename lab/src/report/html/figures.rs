@@ -2,7 +2,7 @@
 //! differences.
 
 use super::embed::{embed, svg_uri};
-use super::{frame, heading, page_header};
+use super::{assemble, heading, page_header};
 use crate::error::Result;
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, html};
@@ -77,7 +77,7 @@ impl FiguresPage<'_> {
             }
             @for group in groups { (group) }
         };
-        Ok(frame("figures", &header, &body))
+        Ok(assemble("figures", &header, &body))
     }
 }
 

@@ -4,14 +4,14 @@
 mod data;
 
 use super::sections::{grid, inline_svg};
-use super::{device_text, frame, heading, page_header};
+use super::{assemble, device_text, heading, page_header};
 use crate::report::library::Library;
 use crate::report::plot;
 use crate::study::compare::{SUBJECT_COLUMNS, TimeComparison, subject_labels};
 use crate::study::library::changes::RunChange;
 use crate::study::library::trends::{Trend, TrendLine, devices};
 use crate::study::library::{DatedBy, LibraryRun, Quantity, Setting};
-use crate::study::names::{counted, name_among};
+use crate::study::names::{count_text, name_among};
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, PreEscaped, html};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
@@ -37,7 +37,7 @@ pub struct LibraryPage<'a> {
     pub threshold: f64,
     /// The path from the page's folder to the library's: empty, or with a slash at its end. `None` if the library is
     /// not below the page's folder; then the page has no links to the runs.
-    pub way: Option<&'a str>,
+    pub path_to_runs: Option<&'a str>,
 }
 
 /// Parts of the page: id and title.
@@ -73,7 +73,7 @@ impl LibraryPage<'_> {
             script type="application/json" id="library-data" { (PreEscaped(data::embedded_json(self))) }
             script { (PreEscaped(include_str!("library/library.js"))) }
         };
-        Ok(frame(TITLE, &page_header(TITLE, None, DEFINITIONS, self.command, &parts), &body))
+        Ok(assemble(TITLE, &page_header(TITLE, None, DEFINITIONS, self.command, &parts), &body))
     }
 
     /// The list of devices, and the table of runs.
@@ -81,11 +81,11 @@ impl LibraryPage<'_> {
         let devices = devices(&self.library.runs);
         html! {
             p {
-                (counted(self.library.runs.len(), "run")) " on " (counted(devices.len(), "device"))
+                (count_text(self.library.runs.len(), "run")) " on " (count_text(devices.len(), "device"))
                 ", by date, and on one day by name."
             }
             dl {
-                @for d in &devices { dt { (label(&devices, d)) } dd { (device_text(d)) } }
+                @for d in &devices { dt { (device_label(&devices, d)) } dd { (device_text(d)) } }
             }
             div.scroll {
                 table {
@@ -109,7 +109,7 @@ impl LibraryPage<'_> {
 
     /// Returns the row of the run with the index `n`, whose number on the page is `n + 1`.
     fn run(&self, n: usize, run: &LibraryRun, devices: &[&DeviceInfo]) -> Markup {
-        let labels: Vec<_> = run.devices.iter().map(|d| label(devices, d)).collect();
+        let labels: Vec<_> = run.devices.iter().map(|d| device_label(devices, d)).collect();
         let definitions: Vec<_> = run.definitions.iter().map(u32::to_string).collect();
         html! {
             tr id={ "run-" (n + 1) } {
@@ -133,9 +133,9 @@ impl LibraryPage<'_> {
 
     /// A link to a file of a run; the name of the file alone if the page has no links.
     fn link(&self, run: &LibraryRun, file: &str) -> Markup {
-        let Some(way) = self.way else { return html! { (file) } };
+        let Some(path_to_runs) = self.path_to_runs else { return html! { (file) } };
         let folder = if run.name == "." { String::new() } else { format!("{}/", run.name) };
-        let path = format!("{way}{folder}{file}");
+        let path = format!("{path_to_runs}{folder}{file}");
         html! { a href=(utf8_percent_encode(&path, PATH_ENCODE_SET)) { (file) } }
     }
 
@@ -161,7 +161,7 @@ impl LibraryPage<'_> {
         let changed: Vec<_> = change.totals.iter().filter(|t| is_changed(t)).collect();
         let warning = change.totals.iter().find_map(|t| t.warning.as_ref());
         html! {
-            h3 { (self.name(change.after)) " after " (self.name(change.before)) }
+            h3 { (self.run_name(change.after)) " after " (self.run_name(change.before)) }
             p { (counts.join(", ")) "." }
             @if let Some(warning) = warning { p { "Warning: " (warning) "." } }
             @if !changed.is_empty() {
@@ -174,7 +174,7 @@ impl LibraryPage<'_> {
     }
 
     /// The number of a run, counted from 1, and its name.
-    fn name(&self, run: usize) -> String {
+    fn run_name(&self, run: usize) -> String {
         format!("{}. {}", run + 1, self.library.runs[run].name)
     }
 
@@ -194,7 +194,7 @@ impl LibraryPage<'_> {
         for (first, trends) in &places {
             // The trends of each device stand under a heading with its name.
             if last_device.replace(&first.device) != Some(&first.device) {
-                shown.push(html! { h3 { (label(&all, &first.device)) ": " (name_among(&first.device, &all)) } });
+                shown.push(html! { h3 { (device_label(&all, &first.device)) ": " (name_among(&first.device, &all)) } });
             }
             shown.push(self.place(first, trends, open)?);
         }
@@ -218,8 +218,8 @@ impl LibraryPage<'_> {
         let runs = trends.iter().map(|t| t.runs.len()).max().unwrap_or(0);
         Ok(html! {
             details open[open] {
-                summary { (place_title(&first.setting, &first.views)) ", up to " (counted(runs, "run")) }
-                p { "Views: " (first.views.join(", ")) ". Setting: " (first.setting.rest.join(", ")) "." }
+                summary { (place_title(&first.setting, &first.views)) ", up to " (count_text(runs, "run")) }
+                p { "Views: " (first.views.join(", ")) ". Setting: " (first.setting.other_settings.join(", ")) "." }
                 @for plot in plots { (plot) }
             }
         })
@@ -229,7 +229,7 @@ impl LibraryPage<'_> {
     fn trend(&self, trend: &Trend) -> Result<Markup, String> {
         let title = self.title(trend.quantity);
         let numbers: Vec<usize> = trend.runs.iter().map(|run| run + 1).collect();
-        let svg = plot::trend(&numbers, &trend.lines, &title)?;
+        let svg = plot::draw_trend(&numbers, &trend.lines, &title)?;
         let label = format!("{title} over runs; the table below has the same values");
         Ok(html! {
             h4 { (title) }
@@ -252,7 +252,7 @@ impl LibraryPage<'_> {
         let run = |index: &usize| format!("{}. {}", index + 1, self.library.runs[*index].date);
         let mut cells =
             vec![std::iter::once("method".to_owned()).chain(trend.runs.iter().map(run)).collect::<Vec<_>>()];
-        let value = |v: &Option<f64>| v.map_or_else(|| "-".to_owned(), figure);
+        let value = |v: &Option<f64>| v.map_or_else(|| "-".to_owned(), figure_text);
         let row =
             |line: &TrendLine| std::iter::once(line.method.clone()).chain(line.values.iter().map(value)).collect();
         cells.extend(trend.lines.iter().map(row));
@@ -299,7 +299,7 @@ impl LibraryPage<'_> {
 }
 
 /// A device's label on the page: D and its number among the library's devices.
-fn label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
+fn device_label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
     format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |index| index + 1))
 }
 
@@ -339,7 +339,7 @@ fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
 
 /// Returns a figure as text with four significant digits, but at most six digits behind the point. A figure below 0.001
 /// or of at least 10,000 is written with an exponent.
-fn figure(value: f64) -> String {
+fn figure_text(value: f64) -> String {
     if value == 0.0 || (1e-3..1e4).contains(&value) {
         let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
         format!("{value:.digits$}")

@@ -5,7 +5,7 @@ use crate::report::plot::DrawnChart;
 use crate::study::engine::Row;
 use crate::study::error::{ErrorRecord, source_table};
 use crate::study::exhibit::Table;
-use crate::study::names::roughness;
+use crate::study::names::roughness_name;
 use crate::study::{TimeRecord, table};
 use maud::{Markup, PreEscaped, html};
 
@@ -41,10 +41,13 @@ pub fn errors(errors: &Errors) -> Markup {
     html! {
         p { (errors.settings) }
         @for chart in &errors.plots { (drawn_chart(chart)) }
-        @for table in ErrorRecord::tables(errors.records, &serde_json::Value::Null) { h3 { (table.title) } (explained(&table)) }
+        @for table in ErrorRecord::tables(errors.records, &serde_json::Value::Null) {
+            h3 { (table.title) }
+            (table_with_text(&table))
+        }
         @let sources = source_table(errors.records);
         h3 { (sources.title) }
-        (explained(&sources))
+        (table_with_text(&sources))
     }
 }
 
@@ -94,7 +97,7 @@ pub fn drawn_chart(DrawnChart { chart, svg }: &DrawnChart) -> Markup {
 }
 
 /// A table below the text about it.
-pub fn explained(table: &Table) -> Markup {
+pub fn table_with_text(table: &Table) -> Markup {
     html! {
         @if !table.about.is_empty() { p { (table.about) } }
         (grid(&table.cells))
@@ -121,7 +124,7 @@ pub fn passes(records: &[TimeRecord]) -> Markup {
 /// The title of a record's table: scene, view, size in pixels, roughness and method.
 fn title(r: &TimeRecord) -> String {
     let head = &r.head;
-    let roughness_text = roughness(head.roughness);
+    let roughness_text = roughness_name(head.roughness);
     format!(
         "{}, {}, {} × {}, roughness {roughness_text}, {}",
         head.scene, head.view, head.width, head.height, head.method

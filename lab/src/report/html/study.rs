@@ -1,7 +1,7 @@
 //! The page of a study: charts, tables and clips of each device, tables of figures over all devices, and the files beside the page.
 
-use super::sections::{drawn_chart, explained};
-use super::{frame, heading, missing_cells, page_header};
+use super::sections::{drawn_chart, table_with_text};
+use super::{assemble, heading, missing_cells, page_header};
 use crate::report::devices::device_name;
 use crate::report::plot::DrawnChart;
 use crate::study::exhibit::{ClipGroup, Table};
@@ -66,13 +66,13 @@ impl StudyPage<'_> {
             }
             @for table in self.common {
                 (heading((table.id, &table.title)))
-                (explained(table))
+                (table_with_text(table))
             }
             (heading(("records", "Raw records")))
             (self.records())
             @if self.devices.iter().any(|part| !part.clips.is_empty()) { script { (PreEscaped(TOGETHER)) } }
         };
-        frame(self.title, &page_header(self.title, only_device, self.definitions, self.command, &parts), &body)
+        assemble(self.title, &page_header(self.title, only_device, self.definitions, self.command, &parts), &body)
     }
 
     /// Links to the files beside the page, and the meanings of the columns.
@@ -113,7 +113,7 @@ fn device(part: &DevicePart) -> Markup {
         @for chart in &part.charts { (drawn_chart(chart)) }
         @for table in &part.tables {
             @if !table.title.is_empty() { h3 { (table.title) } }
-            (explained(table))
+            (table_with_text(table))
         }
     }
 }

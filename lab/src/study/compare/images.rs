@@ -2,6 +2,7 @@
 
 use super::CompareHead;
 use serde::Serialize;
+use ssct::gpu::Pixels;
 use ssct_ground::math::display_byte;
 use ssct_truth::metrics::flip::FlipMap;
 use ssct_truth::metrics::image::{error_map, masked_relative_mse, masked_rmse};
@@ -73,6 +74,11 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
         rmse_map,
         flip_picture: flip.picture(),
     })
+}
+
+/// Returns red, green and blue of each pixel of an image.
+pub fn rgb(pixels: &Pixels) -> Vec<[f32; 3]> {
+    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }
 
 /// Converts linear colours to a display image, 3 bytes a pixel.

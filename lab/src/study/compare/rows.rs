@@ -2,7 +2,7 @@
 
 use super::subject::NOT_SET;
 use super::{Subject, TOTAL, TimeComparison};
-use crate::study::record::differing;
+use crate::study::record::changed_value;
 use ssct::methods::{self, MethodInfo};
 use ssct_ground::parameter::{Choices, Preset};
 use ssct_truth::metrics::bootstrap::{MIN_SAMPLES, MOST_FORETOLD, Ratio, Verdict};
@@ -12,22 +12,22 @@ pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "norm
 
 /// Describes the subject of a comparison by a text for each of [`SUBJECT_COLUMNS`].
 pub fn subject_labels(s: &Subject) -> [String; 6] {
-    let value_or_own = |name: &str| match s.get(name) {
+    let value_or_not_set = |name: &str| match s.get(name) {
         "" => NOT_SET.to_owned(),
         value => value.to_owned(),
     };
     let place = format!("{} {}", s.get("scene"), s.get("view"));
     let size = format!("{}x{}", s.get("width"), s.get("height"));
-    let [roughness, normals] = ["roughness", "normal_deviation"].map(value_or_own);
-    [place, size, roughness, normals, method(s), s.get("preset").to_owned()]
+    let [roughness, normals] = ["roughness", "normal_deviation"].map(value_or_not_set);
+    [place, size, roughness, normals, method_label(s), s.get("preset").to_owned()]
 }
 
 /// Names the method of a subject, and in brackets the parameters that differ from its preset.
-fn method(s: &Subject) -> String {
+fn method_label(s: &Subject) -> String {
     let name = s.get("method");
     let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
-    let rows = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::reads);
-    let values: Vec<_> = rows.iter().filter_map(|row| differing(row, preset, s.get(row.name))).collect();
+    let parameters = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::read_parameters);
+    let values: Vec<_> = parameters.iter().filter_map(|p| changed_value(p, preset, s.get(p.name))).collect();
     if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
 }
 
@@ -81,7 +81,7 @@ impl TimeComparison {
 
 /// Returns a note on the word "own", which stands for a value that no option set; `None` if no row of [`cells`] has the
 /// word.
-pub fn own_note(records: &[TimeComparison]) -> Option<&'static str> {
+pub fn note_on_own(records: &[TimeComparison]) -> Option<&'static str> {
     let has_own = |r: &TimeComparison| r.only_in.is_none() && subject_labels(&r.subject).iter().any(|s| s == NOT_SET);
     records.iter().any(has_own).then_some("own: each material has its own value, since no option set one.")
 }
@@ -102,7 +102,10 @@ pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
     let mut rows = Vec::new();
     for of_subject in in_both.chunk_by(is_same_subject) {
         let mut wholes: Vec<_> = of_subject.iter().filter(|r| r.part_of.is_none()).collect();
-        wholes.sort_by(|x, y| x.rank().0.cmp(&y.rank().0).then(x.rank().1.total_cmp(&y.rank().1)));
+        wholes.sort_by(|x, y| {
+            let ((class_x, place_x), (class_y, place_y)) = (x.rank(), y.rank());
+            class_x.cmp(&class_y).then(place_x.total_cmp(&place_y))
+        });
         for row in wholes {
             rows.push(*row);
             let is_part = |r: &&&TimeComparison| r.part_of.as_ref() == Some(&row.pass) && r.counted == row.counted;

@@ -108,8 +108,8 @@ impl Samples {
     /// Returns the time of these samples and that of `other`, in milliseconds, for each frame number that both have.
     pub(super) fn paired_times(&self, other: &Self) -> Vec<[f64; 2]> {
         let other_ms: BTreeMap<u64, f64> = other.numbers.iter().copied().zip(other.ms.iter().copied()).collect();
-        let own = self.numbers.iter().zip(&self.ms);
-        own.filter_map(|(number, ms)| Some([*ms, *other_ms.get(number)?])).collect()
+        let numbered_ms = self.numbers.iter().zip(&self.ms);
+        numbered_ms.filter_map(|(number, ms)| Some([*ms, *other_ms.get(number)?])).collect()
     }
 }
 
@@ -122,20 +122,25 @@ struct Row<'r> {
     noise_floor: Option<f64>,
 }
 
-/// All samples of one subject: its passes in order, each group before its parts, and the total last.
-pub(super) type Group = (Subject, Vec<Samples>);
+/// All samples of one subject.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SubjectSamples {
+    pub(super) subject: Subject,
+    /// The passes in order, each group before its parts, and the total last.
+    pub(super) passes: Vec<Samples>,
+}
 
 /// Groups samples by subject and pass, both in the order in which they first appear. Samples of one subject with one
 /// frame number that follow each other are one frame.
-pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
+pub(super) fn by_subject(samples: &[TimeSample]) -> Vec<SubjectSamples> {
+    let mut all: Vec<SubjectSamples> = Vec::new();
     for frame in samples.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject) {
         let Some(first) = frame.first() else { continue };
-        let group_index = groups.iter().rposition(|(subject, _)| *subject == *first.subject).unwrap_or_else(|| {
-            groups.push(((*first.subject).clone(), Vec::new()));
-            groups.len() - 1
+        let index = all.iter().rposition(|known| known.subject == *first.subject).unwrap_or_else(|| {
+            all.push(SubjectSamples { subject: (*first.subject).clone(), passes: Vec::new() });
+            all.len() - 1
         });
-        let passes = &mut groups[group_index].1;
+        let passes = &mut all[index].passes;
         for row in rows(frame) {
             let pass_index = passes.iter().position(|s| s.has_row(&row)).unwrap_or_else(|| {
                 let (pass, part_of) = (row.pass.to_owned(), row.part_of.map(str::to_owned));
@@ -147,16 +152,16 @@ pub(super) fn groups(samples: &[TimeSample]) -> Vec<Group> {
             passes[pass_index].ms.push(row.ms);
         }
     }
-    for (_, passes) in &mut groups {
-        passes.sort_by_key(|s| s.pass == TOTAL);
+    for of_subject in &mut all {
+        of_subject.passes.sort_by_key(|s| s.pass == TOTAL);
     }
-    groups
+    all
 }
 
 /// Groups the samples of each of two runs, by the settings that both files give for a method; other settings are left
 /// out.
-pub(super) fn groups_of_both(a: &Run, b: &Run) -> [Vec<Group>; 2] {
-    [(a, b), (b, a)].map(|(run, other)| groups(&run.with_common_names(other)))
+pub(super) fn both_by_subject(a: &Run, b: &Run) -> [Vec<SubjectSamples>; 2] {
+    [(a, b), (b, a)].map(|(run, other)| by_subject(&run.with_common_names(other)))
 }
 
 /// Makes the rows of a frame from the samples of its passes. Each group of passes has a row before its first part, and

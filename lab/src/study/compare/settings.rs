@@ -1,10 +1,10 @@
 //! Comparison of two settings: of one run, in which they were timed in turn, or of two runs.
 
-use super::samples::{Group, groups, groups_of_both};
+use super::samples::{SubjectSamples, both_by_subject, by_subject};
 use super::subject::{NOT_SET, PLACE, Subject};
 use super::{Comparison, Run, SAME_SAMPLES, TimeComparison, TimeSample};
 use crate::study::exhibit::distinct;
-use crate::study::record::differing;
+use crate::study::record::changed_value;
 use ssct::methods::{self, MethodInfo};
 use ssct_ground::parameter::{Choices, Preset};
 use std::collections::BTreeSet;
@@ -21,13 +21,13 @@ pub struct Selection {
 }
 
 /// The options of a lens whose columns in the samples have other names: the option and its column.
-const LENS: [(&str, &str); 4] =
+const LENS_OPTIONS: [(&str, &str); 4] =
     [("fov", "fov_degrees"), ("near", "near_m"), ("far", "far_m"), ("orthographic_height", "orthographic_height_m")];
 
 /// Returns the name of the column of the samples that has the values of an option.
-fn column(option: &str) -> String {
+fn column_of_option(option: &str) -> String {
     let name = option.replace('-', "_");
-    match LENS.iter().find(|(lens_option, _)| *lens_option == name) {
+    match LENS_OPTIONS.iter().find(|(lens_option, _)| *lens_option == name) {
         Some((_, column)) => (*column).to_owned(),
         None => name,
     }
@@ -55,7 +55,7 @@ impl FromStr for Selection {
                 ("size", Some((width, height))) => {
                     values.extend([("width".into(), width.into()), ("height".into(), height.into())]);
                 }
-                _ => values.push((column(name), value.to_owned())),
+                _ => values.push((column_of_option(name), value.to_owned())),
             }
         }
         if values.is_empty() {
@@ -66,7 +66,7 @@ impl FromStr for Selection {
 }
 
 /// Whether the recorded value of a sample equals the value that a user typed. Numbers are compared as numbers.
-fn is_value(recorded: &str, typed: &str) -> bool {
+fn is_same_value(recorded: &str, typed: &str) -> bool {
     let numbers = recorded.parse::<f64>().ok().zip(typed.parse::<f64>().ok());
     match (recorded, typed) {
         ("", NOT_SET) | ("true", "on") | ("false", "off") => true,
@@ -76,69 +76,69 @@ fn is_value(recorded: &str, typed: &str) -> bool {
 
 impl Selection {
     /// Whether the selection names a value of a column of the samples.
-    fn names(&self, column: &str) -> bool {
+    fn names_column(&self, column: &str) -> bool {
         self.values.iter().any(|(named, _)| named == column)
     }
 
     /// Whether a subject has every value that the selection names.
     fn fits(&self, subject: &Subject) -> bool {
-        self.values.iter().all(|(name, typed)| is_value(subject.get(name), typed))
+        self.values.iter().all(|(name, typed)| is_same_value(subject.get(name), typed))
     }
 
     /// Counts the parameters of a subject that differ from their preset and that the selection does not name. A preset
     /// other than the default counts as one more, unless the selection names the preset.
-    fn unnamed(&self, subject: &Subject) -> usize {
+    fn count_unnamed(&self, subject: &Subject) -> usize {
         let preset = Preset::of_name(subject.get("preset")).unwrap_or_default();
-        let rows = methods::find(subject.get("method")).map_or_else(|_| Vec::new(), MethodInfo::reads);
-        let changed = rows.iter().filter(|row| differing(row, preset, subject.get(row.name)).is_some());
-        let has_other_preset = !self.names("preset") && preset != Preset::default();
-        changed.filter(|row| !self.names(row.name)).count() + usize::from(has_other_preset)
+        let parameters = methods::find(subject.get("method")).map_or_else(|_| Vec::new(), MethodInfo::read_parameters);
+        let changed = parameters.iter().filter(|p| changed_value(p, preset, subject.get(p.name)).is_some());
+        let has_other_preset = !self.names_column("preset") && preset != Preset::default();
+        changed.filter(|p| !self.names_column(p.name)).count() + usize::from(has_other_preset)
     }
 
-    /// Returns those groups of `all`, the groups of a run, that fit the selection.
+    /// Returns those of `all`, the samples of a run, whose subjects fit the selection.
     ///
     /// # Errors
-    /// A sentence, if no group fits, or if no sample of the run has a value for a named option.
-    fn groups_in<'g>(&self, run: &Run, all: &'g [Group]) -> Result<Vec<&'g Group>, String> {
-        let known: BTreeSet<&str> = all.iter().flat_map(|(s, _)| s.0.keys()).map(String::as_str).collect();
+    /// A sentence, if no subject fits, or if no sample of the run has a value for a named option.
+    fn fitting_in<'s>(&self, run: &Run, all: &'s [SubjectSamples]) -> Result<Vec<&'s SubjectSamples>, String> {
+        let known: BTreeSet<&str> = all.iter().flat_map(|s| s.subject.0.keys()).map(String::as_str).collect();
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains(name.as_str())) {
             return Err(format!("{:?}: the samples of {} have no {}", self.text, run.name, name.replace('_', "-")));
         }
-        let found: Vec<&Group> = all.iter().filter(|(subject, _)| self.fits(subject)).collect();
-        if found.is_empty() {
-            let has = self.values_in(all).join("; ");
-            return Err(format!("{:?}: {} has no such setting; it has {has}", self.text, run.name));
+        let fitting: Vec<&SubjectSamples> = all.iter().filter(|s| self.fits(&s.subject)).collect();
+        if fitting.is_empty() {
+            let values = self.values_in(all).join("; ");
+            return Err(format!("{:?}: {} has no such setting; it has {values}", self.text, run.name));
         }
-        Ok(found)
+        Ok(fitting)
     }
 
-    /// Returns a text for the method and for each option that the selection names, with the values that the groups
+    /// Returns a text for the method and for each option that the selection names, with the values that the subjects
     /// have, such as "iterations 64, 1024".
-    fn values_in(&self, all: &[Group]) -> Vec<String> {
+    fn values_in(&self, all: &[SubjectSamples]) -> Vec<String> {
         let names: BTreeSet<&str> = self.values.iter().map(|(name, _)| name.as_str()).chain(["method"]).collect();
-        let shown = |name: &str| {
-            let values: BTreeSet<&str> = all.iter().map(|(s, _)| s.get(name)).filter(|v| !v.is_empty()).collect();
+        let text = |name: &str| {
+            let values: BTreeSet<&str> = all.iter().map(|s| s.subject.get(name)).filter(|v| !v.is_empty()).collect();
             format!("{} {}", name.replace('_', "-"), values.into_iter().collect::<Vec<_>>().join(", "))
         };
-        names.into_iter().map(shown).collect()
+        names.into_iter().map(text).collect()
     }
 
-    /// Picks one of the groups that fit the selection at one place: the group that differs from the preset in the
+    /// Picks one of the settings that fit the selection at one place: the one that differs from the preset in the
     /// fewest parameters, not counting those that the selection names.
     ///
     /// # Errors
-    /// A sentence that names two of the groups, if several differ in equally few.
-    fn one<'g>(&self, fitting: &[&'g Group]) -> Result<&'g Group, String> {
-        let least = fitting.iter().map(|(subject, _)| self.unnamed(subject)).min();
-        let nearest_to_preset: Vec<&Group> =
-            fitting.iter().copied().filter(|(subject, _)| Some(self.unnamed(subject)) == least).collect();
+    /// A sentence that names two of the settings, if several differ in equally few.
+    fn pick<'s>(&self, fitting: &[&'s SubjectSamples]) -> Result<&'s SubjectSamples, String> {
+        let least = fitting.iter().map(|s| self.count_unnamed(&s.subject)).min();
+        let is_nearest_to_preset = |s: &&SubjectSamples| Some(self.count_unnamed(&s.subject)) == least;
+        let nearest_to_preset: Vec<&SubjectSamples> = fitting.iter().copied().filter(is_nearest_to_preset).collect();
         match nearest_to_preset[..] {
             [one] => Ok(one),
-            [(first, _), (second, _), ..] => Err(format!(
+            [first, second, ..] => Err(format!(
                 "{:?} means several settings, such as \"{}\" and \"{}\"",
                 self.text,
-                first.difference_from(second, "--"),
-                second.difference_from(first, "--")
+                first.subject.difference_from(&second.subject, "--"),
+                second.subject.difference_from(&first.subject, "--")
             )),
             [] => Err(format!("{:?} means no setting", self.text)),
         }
@@ -146,8 +146,8 @@ impl Selection {
 }
 
 /// Returns the values of a subject's place, without those that one of the two selections names.
-fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
-    let is_unnamed = |name: &&str| !chosen.iter().any(|selection| selection.names(name));
+fn unnamed_place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
+    let is_unnamed = |name: &&str| !chosen.iter().any(|selection| selection.names_column(name));
     PLACE.into_iter().filter(is_unnamed).map(|name| subject.get(name).to_owned()).collect()
 }
 
@@ -159,22 +159,22 @@ fn place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
 /// A sentence, if a selection fits no setting or several, or if no place has both settings.
 pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
     let comparison = Comparison::new(a, b, threshold);
-    let [groups_a, groups_b] = groups_of_both(a, b);
+    let [all_of_a, all_of_b] = both_by_subject(a, b);
     let with_option = |side: &str, e: String| format!("--{side} {e}");
-    let fitting_a = chosen[0].groups_in(a, &groups_a).map_err(|e| with_option("a", e))?;
-    let fitting_b = chosen[1].groups_in(b, &groups_b).map_err(|e| with_option("b", e))?;
+    let fitting_a = chosen[0].fitting_in(a, &all_of_a).map_err(|e| with_option("a", e))?;
+    let fitting_b = chosen[1].fitting_in(b, &all_of_b).map_err(|e| with_option("b", e))?;
     let mut records = Vec::new();
-    for here in distinct(fitting_a.iter().map(|(subject, _)| place(subject, chosen))) {
-        let is_here = |group: &&&Group| place(&group.0, chosen) == here;
-        let [here_in_a, here_in_b] =
-            [&fitting_a, &fitting_b].map(|all| all.iter().filter(is_here).copied().collect::<Vec<_>>());
-        if here_in_b.is_empty() {
+    for place in distinct(fitting_a.iter().map(|s| unnamed_place(&s.subject, chosen))) {
+        let is_there = |s: &&&SubjectSamples| unnamed_place(&s.subject, chosen) == place;
+        let [there_in_a, there_in_b] =
+            [&fitting_a, &fitting_b].map(|all| all.iter().filter(is_there).copied().collect::<Vec<_>>());
+        if there_in_b.is_empty() {
             continue;
         }
-        let one_a = chosen[0].one(&here_in_a).map_err(|e| with_option("a", e))?;
-        let one_b = chosen[1].one(&here_in_b).map_err(|e| with_option("b", e))?;
-        let in_turn = std::ptr::eq(a, b) && one_a.0.place() == one_b.0.place();
-        records.extend(pair(&comparison, [one_a, one_b], in_turn));
+        let picked_a = chosen[0].pick(&there_in_a).map_err(|e| with_option("a", e))?;
+        let picked_b = chosen[1].pick(&there_in_b).map_err(|e| with_option("b", e))?;
+        let in_turn = std::ptr::eq(a, b) && picked_a.subject.place() == picked_b.subject.place();
+        records.extend(compare_pair(&comparison, [picked_a, picked_b], in_turn));
     }
     if records.is_empty() {
         return Err(format!("{:?} and {:?} were timed at no common place", chosen[0].text, chosen[1].text));
@@ -184,13 +184,13 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
 
 /// Makes the records that compare two settings, each named by its method and the values in which it differs from the
 /// other. `paired` says that frames with the same number were timed in turn.
-fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeComparison> {
-    let records = comparison.records(&a.0.common(&b.0), [&a.1, &b.1], paired).into_iter();
-    let [setting_a, setting_b] = [a.0.difference_from(&b.0, ""), b.0.difference_from(&a.0, "")];
+fn compare_pair(comparison: &Comparison, [a, b]: [&SubjectSamples; 2], paired: bool) -> Vec<TimeComparison> {
+    let records = comparison.records(&a.subject.common(&b.subject), [&a.passes, &b.passes], paired).into_iter();
+    let [setting_a, setting_b] = [(a, b), (b, a)].map(|(one, other)| one.subject.difference_from(&other.subject, ""));
     let same_warning = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
     let warnings = same_warning.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
-    let is_same_work = a.0.is_same_work(&b.0);
+    let is_same_work = a.subject.is_same_work(&b.subject);
     let with_settings = |record: TimeComparison| TimeComparison {
         drift: record.drift.filter(|_| is_same_work),
         warning: warning.clone(),
@@ -205,9 +205,9 @@ fn pair(comparison: &Comparison, [a, b]: [&Group; 2], paired: bool) -> Vec<TimeC
 /// `series` has the samples of one setting. `threshold` is the change of a time that counts, as a share, at least 0 and
 /// below 1.
 pub fn in_turns(run: &Run, series: &[Vec<TimeSample>], threshold: f64) -> Vec<TimeComparison> {
-    let all: Vec<Vec<Group>> = series.iter().map(|samples| groups(samples)).collect();
+    let all: Vec<Vec<SubjectSamples>> = series.iter().map(|samples| by_subject(samples)).collect();
     let comparison = Comparison::new(run, run, threshold);
-    let Some(first) = all.first().and_then(|groups| groups.first()) else { return Vec::new() };
-    let others = all.iter().skip(1).filter_map(|groups| groups.first());
-    others.flat_map(|other| pair(&comparison, [first, other], true)).collect()
+    let Some(first) = all.first().and_then(|subjects| subjects.first()) else { return Vec::new() };
+    let others = all.iter().skip(1).filter_map(|subjects| subjects.first());
+    others.flat_map(|other| compare_pair(&comparison, [first, other], true)).collect()
 }

@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Subject(pub BTreeMap<String, String>);
 
-/// Names of the values in which two subjects must be equal before their differences are listed.
-const LIKE: [&str; 3] = ["scene", "view", "method"];
+/// Names of the values in which two subjects must be equal before their other differences are listed.
+const SCENE_VIEW_METHOD: [&str; 3] = ["scene", "view", "method"];
 
 /// Names of the values that decide how much work the passes that draw the scene do.
 const WORK: [&str; 8] = ["scene", "view", "width", "height", "fov_degrees", "near_m", "far_m", "orthographic_height_m"];
@@ -45,8 +45,8 @@ impl Subject {
     }
 
     /// Whether two subjects have the same scene, view and method.
-    pub(super) fn is_like(&self, other: &Self) -> bool {
-        LIKE.iter().all(|name| self.get(name) == other.get(name))
+    pub(super) fn has_same_scene_view_and_method(&self, other: &Self) -> bool {
+        SCENE_VIEW_METHOD.iter().all(|name| self.get(name) == other.get(name))
     }
 
     /// Whether the scene passes do the same work for both subjects.
@@ -54,8 +54,8 @@ impl Subject {
         WORK.iter().all(|name| self.get(name) == other.get(name))
     }
 
-    /// The names of the values in which two subjects differ.
-    pub(super) fn differing<'s>(&'s self, other: &'s Self) -> Vec<&'s str> {
+    /// Returns the names of the values in which two subjects differ.
+    pub(super) fn differing_names<'s>(&'s self, other: &'s Self) -> Vec<&'s str> {
         let names: BTreeSet<&String> = self.0.keys().chain(other.0.keys()).collect();
         names.into_iter().map(String::as_str).filter(|name| self.get(name) != other.get(name)).collect()
     }
@@ -67,7 +67,7 @@ impl Subject {
             value => value.to_owned(),
         };
         let difference = |name: &str| format!("{name} {} in A, {} in B", value(self, name), value(b, name));
-        self.differing(b).into_iter().map(difference).collect()
+        self.differing_names(b).into_iter().map(difference).collect()
     }
 
     /// Returns a subject with the values that are equal in both subjects.
@@ -91,7 +91,11 @@ impl Subject {
         // belong to no method, and are named even if one subject does not set them.
         let is_set_in_both = |name: &str| !self.get(name).is_empty() && !other.get(name).is_empty();
         let is_named = |name: &&str| *name != "method" && (is_set_in_both(name) || PLACE.contains(name));
-        self.differing(other).into_iter().filter(is_named).map(option).fold(method, |words, option| words + &option)
+        self.differing_names(other)
+            .into_iter()
+            .filter(is_named)
+            .map(option)
+            .fold(method, |words, option| words + &option)
     }
 }
 

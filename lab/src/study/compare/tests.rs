@@ -29,7 +29,6 @@ fn run(method: &str, scale: f64) -> Run {
     Run { name: method.into(), device: None, samples: (0..6).flat_map(frame).collect() }
 }
 
-/// Tests the ratios of passes and of the total, where one pass takes twice as long in B.
 #[test]
 fn totals_are_sums_of_counted_passes_frame_by_frame() {
     let records = times(&run("ssct", 1.0), &run("ssct", 2.0), 0.05);
@@ -47,9 +46,8 @@ fn totals_are_sums_of_counted_passes_frame_by_frame() {
     assert!(records.iter().all(|r| (r.samples_a, r.samples_b, r.only_in) == (6, 6, None)));
 }
 
-/// Tests that a difference smaller than the noise floor leaves the verdict undecided.
 #[test]
-fn nothing_within_the_noise_floor_is_faster_or_slower() {
+fn a_difference_within_the_noise_floor_leaves_the_verdict_undecided() {
     let with_floor = |scale: f64, floors: [Option<f64>; 2]| {
         let mut run = run("ssct", scale);
         run.samples.iter_mut().for_each(|s| s.floors = floors);
@@ -68,9 +66,8 @@ fn nothing_within_the_noise_floor_is_faster_or_slower() {
     assert!(row.last().is_some_and(|verdict| verdict.starts_with("UNDECIDED by the floor, n ")), "{row:?}");
 }
 
-/// Tests that passes of different methods are not compared, and that each names the run that has it.
 #[test]
-fn what_one_run_lacks_is_listed_without_a_verdict() {
+fn passes_of_different_methods_are_listed_without_a_verdict() {
     let records = times(&run("ssct", 1.0), &run("hzct", 1.0), 0.05);
     assert_eq!(records.len(), 8);
     assert!(records[..4].iter().all(|r| r.only_in == Some(Side::A) && r.subject.get("method") == "ssct"));
@@ -78,9 +75,8 @@ fn what_one_run_lacks_is_listed_without_a_verdict() {
     assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
 }
 
-/// Tests that all samples of one subject count as one series, and that fewer than five samples decide nothing.
 #[test]
-fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
+fn samples_of_one_subject_are_pooled_and_fewer_than_five_decide_nothing() {
     let mut twice = run("ssct", 1.0);
     twice.samples.extend(twice.samples.clone());
     let records = times(&twice, &run("ssct", 1.0), 0.05);
@@ -91,9 +87,8 @@ fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
     assert!(records.iter().all(|r| r.samples_b == 4 && r.verdict == Some(Verdict::Undecided)));
 }
 
-/// Tests that frames with different settings are not compared, and that the difference is named.
 #[test]
-fn a_setting_that_differs_is_another_subject_and_is_named() {
+fn frames_with_different_settings_are_not_compared_and_the_difference_is_named() {
     let plain = run("ssct", 1.0);
     let changed = |name: &str, value: &str| {
         let mut run = plain.clone();
@@ -115,9 +110,8 @@ fn a_setting_that_differs_is_another_subject_and_is_named() {
     }
 }
 
-/// Tests that a setting which one file lacks is ignored with a warning that names the file and the setting.
 #[test]
-fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
+fn a_setting_that_one_file_lacks_is_ignored_with_a_warning() {
     let plain = run("ssct", 1.0);
     let mut older = plain.clone();
     for s in &mut older.samples {
@@ -138,9 +132,8 @@ fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
     assert_eq!(times(&plain, &both, 0.05).iter().filter(|r| r.only_in.is_none()).count(), 4);
 }
 
-/// Tests the warnings about two devices, and about a device that is not known.
 #[test]
-fn devices_that_differ_or_are_not_known_warn() {
+fn different_or_unknown_devices_give_a_warning() {
     let device = |name: &str| {
         let text = |s: &str| s.to_owned();
         Some(DeviceInfo { name: text(name), driver: text("1"), api: text("1.3"), kind: text("CPU") })
@@ -152,9 +145,8 @@ fn devices_that_differ_or_are_not_known_warn() {
     assert!(warning(&device_run("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
 }
 
-/// Tests the errors of an image in which the first image is the reference.
 #[test]
-fn images_are_held_against_the_first() {
+fn errors_of_images_are_relative_to_the_first_image() {
     let flat = |v: f32| LinearImage { width: 8, height: 8, rgb: vec![[v; 3]; 64] };
     let found = images(("a", &flat(0.5)), ("b", &flat(0.25))).expect("one size");
     assert_eq!((found.rmse, found.rel_mse), (0.25, Some(0.25)));
@@ -186,15 +178,12 @@ fn two_settings() -> Run {
     Run { samples: [first.samples, second.samples].concat(), ..run("ssct", 1.0) }
 }
 
-/// Reads a selection from a text, which must be right.
 fn selection(text: &str) -> Selection {
     text.parse().expect(text)
 }
 
-/// Tests that the load in every third turn does not widen the interval of a ratio within one run, but that it does
-/// between two runs.
 #[test]
-fn settings_of_one_run_are_compared_turn_by_turn() {
+fn a_load_in_every_third_turn_widens_intervals_between_two_runs_and_not_within_one() {
     let run = two_settings();
     let chosen = ["ssct --iterations 1024", "--iterations=64"].map(selection);
     let records = settings(&run, &run, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
@@ -213,9 +202,8 @@ fn settings_of_one_run_are_compared_turn_by_turn() {
     assert!(apart.iter().all(|r| !r.paired && r.high.is_some_and(|high| high > 2.0)), "{apart:?}");
 }
 
-/// Tests which setting a selection means, and the messages where it means none or several.
 #[test]
-fn a_selection_means_one_setting_or_says_why_not() {
+fn a_selection_picks_one_setting_or_gives_a_message() {
     // The selection `ssct` means the preset's own value of an option that it does not name.
     let run = two_settings();
     let [plain, few] = ["ssct", "ssct --iterations 64"].map(selection);
@@ -234,9 +222,8 @@ fn a_selection_means_one_setting_or_says_why_not() {
     }
 }
 
-/// Tests selections that name a value of the place, such as the roughness.
 #[test]
-fn settings_may_differ_in_their_place_where_it_is_named() {
+fn selections_may_name_values_of_the_place() {
     let [smooth, rough] = ["0", "0.1"].map(|r| with(run("ssct", 1.0), "roughness", r).samples);
     let both = Run { samples: [smooth, rough].concat(), ..run("ssct", 1.0) };
     let chosen = ["--roughness 0", "--roughness 0.1"].map(selection);
@@ -248,9 +235,8 @@ fn settings_may_differ_in_their_place_where_it_is_named() {
     assert_eq!(settings(&both, &both, [&any, &any], 0.05).expect("both are there").len(), 8);
 }
 
-/// Tests that the times of a chain's levels are added up, and that tables put the total and changed passes first.
 #[test]
-fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
+fn passes_of_one_chain_are_added_up_and_tables_begin_with_the_total_and_changed_passes() {
     let levels = |name: &str, trace: f64| {
         let passes = [("lit", false, 9.0), ("hi-z/1", true, 2.0), ("hi-z/2", true, 1.0), ("copy", true, 4.0)];
         let frame = |n| {
@@ -267,9 +253,8 @@ fn passes_of_one_chain_are_a_group_and_what_matters_stands_first() {
     assert_eq!(shown(true), ["total", "trace", "copy", "hi-z", "hi-z/1", "hi-z/2", "lit"]);
 }
 
-/// Tests that an undecided verdict, of a pass whose times vary by 30 %, gives a number of samples.
 #[test]
-fn an_open_verdict_says_how_many_samples_would_decide() {
+fn an_undecided_verdict_has_the_number_of_samples_that_would_decide() {
     let mut wide = run("ssct", 1.0);
     wide.samples.iter_mut().filter(|s| s.pass == "trace").for_each(|s| s.ms *= [0.7, 1.0, 1.3][s.sample as usize % 3]);
     let records = times(&run("ssct", 1.0), &wide, 0.05);
@@ -284,9 +269,8 @@ fn an_open_verdict_says_how_many_samples_would_decide() {
     assert_eq!(row.last(), Some(&expected));
 }
 
-/// Tests that a comparison of a run or a setting with itself gives a warning.
 #[test]
-fn a_run_beside_itself_says_so() {
+fn a_run_or_setting_compared_with_itself_gives_a_warning() {
     let (a, b) = (run("ssct", 1.0), run("ssct", 1.0));
     let warning = |records: &[TimeComparison]| records[0].warning.clone().unwrap_or_default();
     assert!(warning(&times(&a, &b, 0.05)).contains("A and B are one run, with the same samples"));
@@ -300,9 +284,8 @@ fn a_run_beside_itself_says_so() {
     assert!(!warning(&others).contains("one setting"), "{:?}", others[0].warning);
 }
 
-/// Tests that records say by how much the scene passes took longer in B.
 #[test]
-fn sides_of_different_moments_carry_their_drift() {
+fn records_have_the_drift_of_the_scene_passes() {
     // The whole machine is a quarter slower in B, including its scene passes.
     let slow = |mut run: Run| {
         run.samples.iter_mut().for_each(|s| s.ms *= 1.25);
@@ -317,7 +300,6 @@ fn sides_of_different_moments_carry_their_drift() {
     assert!(in_turn.iter().all(|r| r.drift.is_some_and(|drift| drift.abs() < 0.5)), "in turn, too: {in_turn:?}");
 }
 
-/// Tests that settings of different sizes have no drift, since their scene passes do different work.
 #[test]
 fn settings_of_different_sizes_have_no_drift() {
     let [small, large] = ["16", "32"].map(|width| with(with(run("ssct", 1.0), "width", width), "height", "8"));
@@ -327,18 +309,16 @@ fn settings_of_different_sizes_have_no_drift() {
     assert!(records.iter().all(|r| r.drift.is_none()), "scene passes of two sizes are not the same work");
 }
 
-/// Tests that two runs with equal samples give no warning if different settings of them are compared.
 #[test]
-fn a_copy_of_a_run_is_compared_without_a_warning_where_the_settings_differ() {
+fn different_settings_of_equal_runs_are_compared_without_a_warning() {
     let (turns, copy) = (two_settings(), two_settings());
     let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
     let records = settings(&turns, &copy, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
     assert!(!records[0].warning.clone().unwrap_or_default().contains("one run"), "{:?}", records[0].warning);
 }
 
-/// Tests that a selection finds the column of a lens's option.
 #[test]
-fn options_of_a_lens_have_the_names_of_the_command_line() {
+fn a_selection_finds_the_column_of_a_lens_option() {
     let wide = with(run("ssct", 1.0), "fov_degrees", "90");
     let chosen = ["ssct --fov 90", "ssct --fov=90"].map(selection);
     assert!(settings(&wide, &wide, [&chosen[0], &chosen[1]], 0.05).is_ok());

@@ -2,15 +2,16 @@
 
 use super::frames::{CaseInput, Frame, SeenFrame};
 use super::measures::{
-    beside_what_is_close, blackened, differing, error_at_last, everywhere, excess, inner, inner_and_shown, of_cells,
-    of_pixels, off_change, off_change_at_rest, spread_of_wrong, wrong_at_last,
+    blackened, cell_changes, change_error, change_error_at_rest, changed_from_first, error_at_last, everywhere,
+    excess_of_red, near_close_surface, no_edge, no_edge_and_shown, percent_wrong_at_last, pixel_changes,
+    spread_of_wrong,
 };
 use super::scenes;
 use glam::{DVec3, Vec3};
 use ssct::methods::EffectParams;
 use ssct::methods::setup::HistoryUse;
 use ssct_ground::math::random::Stream;
-use ssct_scenes::{GBufferData, Scene, View};
+use ssct_scenes::{GBufferData, Scene};
 
 /// A complaint, with a case that shows it.
 pub struct Complaint {
@@ -23,7 +24,7 @@ pub struct Complaint {
     /// Greatest number that counts as good.
     pub at_most: f64,
     /// Makes the scene and the frames of the case, at a size in pixels.
-    pub take: fn([u32; 2]) -> CaseInput,
+    pub input: fn([u32; 2]) -> CaseInput,
     /// Computes the number of a variant, given by its index; `None` if the variant shows too little to be judged.
     pub number: fn(&[SeenFrame], usize) -> Option<f64>,
     /// Whether the frames follow each other in a film. Otherwise they show one view under several settings.
@@ -45,8 +46,10 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "A reflection vanishes where its ray passes over sky on its way.",
         measured: "pixels of the tower's reflection that are wrong, %",
         at_most: 5.0,
-        take: |size| still(scenes::sky_gap(), size, MIRROR_RAYS),
-        number: |all, variant| Some(wrong_at_last(all, variant, |seen, i| inner(seen, i) && seen.ends[i] == "tower")),
+        input: |size| still(scenes::sky_gap(), size, MIRROR_RAYS),
+        number: |all, variant| {
+            Some(percent_wrong_at_last(all, variant, |seen, i| no_edge(seen, i) && seen.end_meshes[i] == "tower"))
+        },
         is_film: false,
     },
     Complaint {
@@ -54,10 +57,10 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Thin poles leave streaks in the reflections of what is behind them.",
         measured: "pixels that are wrong where the mirrored wall shows no pole, %",
         at_most: 2.0,
-        take: |size| still(scenes::poles(), size, MIRROR_RAYS),
+        input: |size| still(scenes::poles(), size, MIRROR_RAYS),
         number: |all, variant| {
-            Some(wrong_at_last(all, variant, |seen, i| {
-                inner_and_shown(seen, i) && seen.place(i).x > 2.99 && seen.ends[i] != "poles"
+            Some(percent_wrong_at_last(all, variant, |seen, i| {
+                no_edge_and_shown(seen, i) && seen.place(i).x > 2.99 && seen.end_meshes[i] != "poles"
             }))
         },
         is_film: false,
@@ -67,7 +70,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "A rough floor mirrors, or shows stripes, where it is seen at a grazing angle.",
         measured: "error of the floor's reflection over the truth's own, %",
         at_most: 20.0,
-        take: |size| still(scenes::grazing(), size, GLOSS_RAYS),
+        input: |size| still(scenes::grazing(), size, GLOSS_RAYS),
         number: |all, variant| Some(error_at_last(all, variant, everywhere)),
         is_film: false,
     },
@@ -76,8 +79,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Bands appear as the far plane moves away from the near plane.",
         measured: "pixels that another pair of planes changes, at most, %",
         at_most: 0.5,
-        take: planes,
-        number: |all, variant| Some(differing(all, variant, inner)),
+        input: planes,
+        number: |all, variant| Some(changed_from_first(all, variant, no_edge)),
         is_film: false,
     },
     Complaint {
@@ -85,8 +88,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Rays hit the wrong places at sizes that are not powers of two.",
         measured: "wrong pixels at the worst size less those at the best, percentage points",
         at_most: 1.0,
-        take: sizes,
-        number: |all, variant| Some(spread_of_wrong(all, variant, inner_and_shown)),
+        input: sizes,
+        number: |all, variant| Some(spread_of_wrong(all, variant, no_edge_and_shown)),
         is_film: false,
     },
     Complaint {
@@ -94,9 +97,9 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "A reflection gets shorter or longer as the camera moves away.",
         measured: "wrong pixels of the pillar's reflection at the worst distance less those at the best, percentage points",
         at_most: 5.0,
-        take: distances,
+        input: distances,
         number: |all, variant| {
-            Some(spread_of_wrong(all, variant, |seen, i| inner_and_shown(seen, i) && seen.ends[i] == "pillar"))
+            Some(spread_of_wrong(all, variant, |seen, i| no_edge_and_shown(seen, i) && seen.end_meshes[i] == "pillar"))
         },
         is_film: false,
     },
@@ -105,7 +108,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "The blur of a glossy reflection stops at the silhouettes of what is reflected.",
         measured: "error near silhouettes over the truth's own, %",
         at_most: 20.0,
-        take: |size| still(scenes::silhouettes(), size, GLOSS_RAYS),
+        input: |size| still(scenes::silhouettes(), size, GLOSS_RAYS),
         number: |all, variant| Some(error_at_last(all, variant, |seen, i| !seen.is_alike_around(i, 5))),
         is_film: false,
     },
@@ -114,8 +117,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Surfaces that reflect are black in reflections.",
         measured: "pixels of the metal's reflection that are wrong with one bounce, %",
         at_most: 5.0,
-        take: |size| CaseInput { bounces: 2, ..still(scenes::metal(), size, MIRROR_RAYS) },
-        number: |all, variant| Some(wrong_at_last(all, variant, on_metal)),
+        input: |size| CaseInput { bounces: 2, ..still(scenes::metal(), size, MIRROR_RAYS) },
+        number: |all, variant| Some(percent_wrong_at_last(all, variant, reflects_metal)),
         is_film: false,
     },
     Complaint {
@@ -123,12 +126,12 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Surfaces that reflect are black in reflections, even where several bounces are asked for.",
         measured: "pixels of the metal's reflection that are wrong with two bounces, %",
         at_most: 20.0,
-        take: |size| CaseInput {
+        input: |size| CaseInput {
             bounces: 2,
-            set: |setup| setup.with(|p: &mut EffectParams| p.bounces = 2),
+            change_setup: |setup| setup.with(|p: &mut EffectParams| p.bounces = 2),
             ..still(scenes::metal(), size, MIRROR_RAYS)
         },
-        number: |all, variant| Some(wrong_at_last(all, variant, on_metal)),
+        number: |all, variant| Some(percent_wrong_at_last(all, variant, reflects_metal)),
         is_film: false,
     },
     Complaint {
@@ -136,11 +139,12 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Reflections that are traced at half the resolution shimmer as the camera moves.",
         measured: "how far changes of a pixel from frame to frame are off the truth's, over the truth's own changes, %",
         at_most: 100.0,
-        take: |size| CaseInput {
-            set: |setup| setup.with(|p: &mut EffectParams| p.resolution_scale = 0.5),
-            ..pan(scenes::blocks("blocks", 0.0), size)
+        input: |size| CaseInput {
+            change_setup: |setup| setup.with(|p: &mut EffectParams| p.resolution_scale = 0.5),
+            // The camera turns slowly.
+            ..motion(scenes::blocks("blocks", 0.0), size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
         },
-        number: |all, variant| off_change(all, variant, of_pixels),
+        number: |all, variant| change_error(all, variant, pixel_changes),
         is_film: true,
     },
     Complaint {
@@ -148,7 +152,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Black spots flicker where a pixel of the colour is no number.",
         measured: "pixels that are no number, or wrongly black, in the worst frame, %",
         at_most: 0.5,
-        take: |size| CaseInput {
+        input: |size| CaseInput {
             spoil: Some(spoil_by_nan),
             ..repeated(scenes::blocks("blocks", 0.2), size, GLOSS_RAYS, FRAMES)
         },
@@ -160,12 +164,12 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "A thing that moves leaves a ghost in reflections that are averaged over frames.",
         measured: "how much of the thing's colour is left where its reflection was in earlier frames, with a history, %",
         at_most: 1.0,
-        take: |size| {
+        input: |size| {
             with_history(motion(scenes::moving(), size, GLOSS_RAYS, |n, frame| {
                 frame.moved = vec![("thing", 0.45 * n * Vec3::X)];
             }))
         },
-        number: ghost,
+        number: red_left,
         is_film: true,
     },
     Complaint {
@@ -173,7 +177,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "A weapon that is held before the camera leaves a ghost around itself as the camera moves.",
         measured: "wrong pixels of the floor around the weapon, with a history, %",
         at_most: 5.0,
-        take: |size| {
+        input: |size| {
             with_history(motion(scenes::weapon(), size, MIRROR_RAYS, |n, frame| {
                 let step = 0.1 * n * Vec3::X;
                 (frame.view.eye, frame.view.look_at) = (frame.view.eye + step, frame.view.look_at + step);
@@ -181,8 +185,8 @@ pub const COMPLAINTS: &[Complaint] = &[
             }))
         },
         number: |all, variant| {
-            let is_beside = |seen: &SeenFrame, i| inner_and_shown(seen, i) && beside_what_is_close(seen, i);
-            Some(wrong_at_last(all, variant, is_beside))
+            let is_beside = |seen: &SeenFrame, i| no_edge_and_shown(seen, i) && near_close_surface(seen, i);
+            Some(percent_wrong_at_last(all, variant, is_beside))
         },
         is_film: true,
     },
@@ -191,13 +195,13 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Reflections shake under a projection that is jittered from frame to frame.",
         measured: "how far changes of a pixel from frame to frame are off the truth's, over the truth's colour, %",
         at_most: 5.0,
-        take: |size| {
+        input: |size| {
             motion(scenes::blocks("blocks", 0.0), size, MIRROR_RAYS, |n, frame| {
                 let random = Stream::new(3, n as u64);
                 frame.jitter_px = [0, 1].map(|axis| random.uniform(axis) as f32 - 0.5);
             })
         },
-        number: |all, variant| off_change_at_rest(all, variant, of_pixels),
+        number: |all, variant| change_error_at_rest(all, variant, pixel_changes),
         is_film: true,
     },
     Complaint {
@@ -205,10 +209,10 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "The colour of a pane, which has no depth, leaks into reflections that do not meet the pane.",
         measured: "pixels behind the pane whose reflection is wrong, %",
         at_most: 2.0,
-        take: |size| CaseInput { spoil: Some(blend_pane), ..still(scenes::pane(), size, MIRROR_RAYS) },
+        input: |size| CaseInput { spoil: Some(blend_pane), ..still(scenes::pane(), size, MIRROR_RAYS) },
         number: |all, variant| {
-            Some(wrong_at_last(all, variant, |seen, i| {
-                inner_and_shown(seen, i) && seen.place(i).z > PANE_Z && seen.place(i).x.abs() < 1.0
+            Some(percent_wrong_at_last(all, variant, |seen, i| {
+                no_edge_and_shown(seen, i) && seen.place(i).z > PANE_Z && seen.place(i).x.abs() < 1.0
             }))
         },
         is_film: false,
@@ -218,9 +222,9 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Fine patterns become moiré in reflections that are far away.",
         measured: "error of the stripes' reflection over the truth's own, %",
         at_most: 20.0,
-        take: |size| still(scenes::stripes(), size, GLOSS_RAYS),
+        input: |size| still(scenes::stripes(), size, GLOSS_RAYS),
         number: |all, variant| {
-            Some(error_at_last(all, variant, |seen, i| seen.ends[i] == "stripes" && seen.place(i).z > 4.0))
+            Some(error_at_last(all, variant, |seen, i| seen.end_meshes[i] == "stripes" && seen.place(i).z > 4.0))
         },
         is_film: false,
     },
@@ -229,22 +233,18 @@ pub const COMPLAINTS: &[Complaint] = &[
         complaint: "Reflections flicker while the resolution changes from frame to frame.",
         measured: "how far changes of the picture's parts from frame to frame are off the truth's, over the truth's colour, %",
         at_most: 3.0,
-        take: resolutions,
-        number: |all, variant| off_change_at_rest(all, variant, of_cells),
+        input: resolutions,
+        number: |all, variant| change_error_at_rest(all, variant, cell_changes),
         is_film: true,
     },
 ];
 
-/// Returns the first view of a scene.
-fn first_view(scene: &Scene) -> View {
-    scene.views.first().cloned().unwrap_or_default()
-}
-
 /// Makes a number of equal frames of a scene from its first view. `size` is in pixels, and `rays` is the number of rays
 /// a pixel of the true reflection.
 fn repeated(scene: Scene, size: [u32; 2], rays: u32, frames: usize) -> CaseInput {
-    let frames = vec![Frame::still(&first_view(&scene), size); frames];
-    CaseInput { scene, frames, set: |setup| setup, bounces: 1, rays, spoil: None }
+    let view = scene.views.first().cloned().unwrap_or_default();
+    let frames = vec![Frame::still(view, size); frames];
+    CaseInput { scene, frames, change_setup: |setup| setup, bounces: 1, rays, spoil: None }
 }
 
 /// Makes one frame of a scene from its first view.
@@ -254,25 +254,17 @@ fn still(scene: Scene, size: [u32; 2], rays: u32) -> CaseInput {
 
 /// Makes a film of a scene; `change` modifies each frame according to its number, which is counted from 0.
 fn motion(scene: Scene, size: [u32; 2], rays: u32, change: fn(f32, &mut Frame)) -> CaseInput {
-    let mut input = repeated(scene, size, rays, FRAMES);
-    input.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n as f32, frame));
-    input
-}
-
-/// Makes a film of a scene with a camera that turns slowly.
-fn pan(scene: Scene, size: [u32; 2]) -> CaseInput {
-    motion(scene, size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
+    varied::<FRAMES>(scene, size, rays, |n, frame| change(n as f32, frame))
 }
 
 /// Replaces the change of the methods' setup in a case by one that turns the history on.
 fn with_history(input: CaseInput) -> CaseInput {
-    CaseInput { set: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..input }
+    CaseInput { change_setup: |setup| setup.with(|p: &mut EffectParams| p.history = HistoryUse::On), ..input }
 }
 
-/// Makes `N` frames of a scene of mirrors; `change` modifies each frame according to its number, which is counted from
-/// 0.
-fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize, &mut Frame)) -> CaseInput {
-    let mut input = repeated(scene, size, MIRROR_RAYS, N);
+/// Makes `N` frames of a scene; `change` modifies each frame according to its number, which is counted from 0.
+fn varied<const N: usize>(scene: Scene, size: [u32; 2], rays: u32, change: impl Fn(usize, &mut Frame)) -> CaseInput {
+    let mut input = repeated(scene, size, rays, N);
     input.frames.iter_mut().enumerate().for_each(|(n, frame)| change(n, frame));
     input
 }
@@ -280,7 +272,7 @@ fn settings<const N: usize>(scene: Scene, size: [u32; 2], change: impl Fn(usize,
 /// Makes frames whose far plane is a thousand to a thousand million times as far away as the near plane.
 fn planes(size: [u32; 2]) -> CaseInput {
     const PLANES: [[f32; 2]; 4] = [[0.1, 100.0], [0.1, 10_000.0], [0.01, 100_000.0], [0.001, 1_000_000.0]];
-    settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| {
+    varied::<4>(scenes::blocks("blocks", 0.0), size, MIRROR_RAYS, |n, frame| {
         let [near, far] = PLANES[n];
         frame.view.lens = Some(scenes::lens(near, far));
     })
@@ -293,37 +285,36 @@ fn sizes(size: [u32; 2]) -> CaseInput {
     let width = 2 * height;
     let extents = [[0, 0], [-1, -1], [1, 1], [height / 2 + 1, height / 4 + 1]]
         .map(|[more_width, more_height]| [width + more_width, height + more_height].map(|side: i32| side as u32));
-    settings::<4>(scenes::blocks("blocks", 0.0), size, |n, frame| frame.extent = extents[n])
+    varied::<4>(scenes::blocks("blocks", 0.0), size, MIRROR_RAYS, |n, frame| frame.extent = extents[n])
 }
 
 /// Makes frames of a camera that moves back from one frame to the next.
 fn distances(size: [u32; 2]) -> CaseInput {
     const BACK_M: [f32; 4] = [0.0, 4.0, 12.0, 28.0];
-    settings::<4>(scenes::pillar(), size, |n, frame| frame.view.eye.z -= BACK_M[n])
+    varied::<4>(scenes::pillar(), size, MIRROR_RAYS, |n, frame| frame.view.eye.z -= BACK_M[n])
 }
 
 /// Makes a film of glossy surfaces, with a history, a camera at rest, and another size of the image in each frame.
 fn resolutions(size: [u32; 2]) -> CaseInput {
     const SHARES: [f32; FRAMES] = [1.0, 0.9, 0.8, 0.95, 0.7, 0.85, 1.0, 0.75];
-    let input = settings::<FRAMES>(scenes::blocks("blocks", 0.15), size, |n, frame| {
+    with_history(varied::<FRAMES>(scenes::blocks("blocks", 0.15), size, GLOSS_RAYS, |n, frame| {
         frame.extent = size.map(|side| (side as f32 * SHARES[n]) as u32);
-    });
-    with_history(CaseInput { rays: GLOSS_RAYS, ..input })
+    }))
 }
 
 /// Whether a pixel reflects the metal, and its neighbours do, too.
-fn on_metal(seen: &SeenFrame, pixel: usize) -> bool {
-    inner(seen, pixel) && seen.ends[pixel] == "metal"
+fn reflects_metal(seen: &SeenFrame, pixel: usize) -> bool {
+    no_edge(seen, pixel) && seen.end_meshes[pixel] == "metal"
 }
 
 /// Computes how much of the moving block's red is left in the last frame, in percent. The pixels that count are those
 /// whose mirror ray met the block, the mesh "thing", in an earlier frame and does not in the last. `None` without
 /// frames.
-fn ghost(all: &[SeenFrame], variant: usize) -> Option<f64> {
+fn red_left(all: &[SeenFrame], variant: usize) -> Option<f64> {
     let (last, earlier) = all.split_last()?;
-    let was_met = |i: &usize| earlier.iter().any(|seen| seen.ends[*i] == "thing");
-    let left_pixels = last.pixels(|seen, i| inner(seen, i) && seen.ends[i] != "thing").filter(was_met);
-    Some(excess(last, variant, left_pixels, scenes::RED))
+    let was_met = |i: &usize| earlier.iter().any(|seen| seen.end_meshes[*i] == "thing");
+    let left_pixels = last.pixels(|seen, i| no_edge(seen, i) && seen.end_meshes[i] != "thing").filter(was_met);
+    Some(excess_of_red(last, variant, left_pixels, scenes::RED))
 }
 
 /// Replaces the colour of some pixels that do not reflect by NaN, in the G-buffer of the frame with number `frame`.
@@ -354,11 +345,11 @@ fn blend_pane(data: &mut GBufferData, _: usize) {
     for i in 0..data.depth.len() {
         let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
         let depth = f64::from(data.depth[i]);
-        let shown: DVec3 = view_to_world.transform_point3(data.unproject(x, y, depth, &clip_to_view));
+        let surface: DVec3 = view_to_world.transform_point3(data.unproject(x, y, depth, &clip_to_view));
         // Where the line of sight crosses the plane of the pane.
-        let crossing = eye + (shown - eye) * ((PANE_Z - eye.z) / (shown.z - eye.z));
+        let crossing = eye + (surface - eye) * ((PANE_Z - eye.z) / (surface.z - eye.z));
         let is_within = |range: [f64; 2], v: f64| (range[0]..range[1]).contains(&v);
-        if shown.z > PANE_Z && is_within(PANE_X, crossing.x) && is_within(PANE_Y, crossing.y) {
+        if surface.z > PANE_Z && is_within(PANE_X, crossing.x) && is_within(PANE_Y, crossing.y) {
             data.color[i] = data.color[i].lerp(scenes::RED, PANE_COVERS);
         }
     }

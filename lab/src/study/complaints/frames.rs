@@ -27,7 +27,7 @@ pub struct CaseInput {
     /// View and moved meshes of each frame.
     pub frames: Vec<Frame>,
     /// Changes the setup of every method for the case.
-    pub set: fn(Setup) -> Setup,
+    pub change_setup: fn(Setup) -> Setup,
     /// Number of bounces in the true reflection.
     pub bounces: u32,
     /// Rays a pixel of the true reflection.
@@ -50,12 +50,12 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame of a scene in which nothing has moved.
-    pub fn still(view: &View, extent: [u32; 2]) -> Self {
-        Self { view: view.clone(), extent, jitter_px: [0.0; 2], moved: Vec::new() }
+    /// Makes a frame of a scene in which nothing has moved.
+    pub fn still(view: View, extent: [u32; 2]) -> Self {
+        Self { view, extent, jitter_px: [0.0; 2], moved: Vec::new() }
     }
 
-    /// The camera of the frame, with its image shifted by the jitter.
+    /// Returns the camera of the frame, with its image shifted by the jitter.
     fn camera(&self, scene: &Scene) -> Camera {
         let [right, up] = self.jitter_px;
         self.view.camera(scene, self.extent).jittered([right, -up], self.extent)
@@ -69,13 +69,13 @@ pub struct SeenFrame {
     /// True reflection of each pixel.
     pub truth: Vec<Vec3>,
     /// Name of the mesh where each pixel's mirror ray ends; empty if it meets no mesh or there is no ray.
-    pub ends: Vec<String>,
+    pub end_meshes: Vec<String>,
     /// Whether the screen shows the point where each pixel's mirror ray ends.
-    pub shown: Vec<bool>,
+    pub end_is_shown: Vec<bool>,
     /// Place of each reflecting pixel's surface in the world, in metres; `None` for any other pixel.
     pub places: Vec<Option<DVec3>>,
     /// Reflection of each pixel by each variant, in the order of the variants.
-    pub made: Vec<Vec<Vec3>>,
+    pub reflections: Vec<Vec<Vec3>>,
 }
 
 /// Draws every frame of a case by every variant, and traces its true reflection. `step` is called after each frame, and
@@ -85,34 +85,34 @@ pub struct SeenFrame {
 /// Errors of the device, and of `step`.
 pub fn show_frames(
     gpu: &Gpu,
-    take: &CaseInput,
+    input: &CaseInput,
     variants: &[Variant],
     step: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<SeenFrame>> {
-    let mut stage = Stage::new(gpu, &take.scene)?;
+    let mut stage = Stage::new(gpu, &input.scene)?;
     let mut last_methods: Option<CaseMethods> = None;
     let mut all = Vec::new();
-    for (n, frame) in take.frames.iter().enumerate() {
+    for (n, frame) in input.frames.iter().enumerate() {
         for (name, offset) in &frame.moved {
             stage.scene_mut().place_meshes(name, *offset)?;
         }
         // A renderer that changes its size makes new images, and loses the contents of earlier frames.
         let methods = match last_methods.take().filter(|methods| methods.extent == frame.extent) {
             Some(methods) => methods,
-            None => CaseMethods::new(&mut stage, take, frame, variants)?,
+            None => CaseMethods::new(&mut stage, input, frame, variants)?,
         };
         let methods = last_methods.insert(methods);
         if n == 0 {
             methods.settle(&mut stage)?;
         }
-        let screen = methods.draw(&mut stage, frame.camera(&take.scene))?;
-        let spoilt_screen = take.spoil.map(|spoil| {
+        let screen = methods.draw(&mut stage, frame.camera(&input.scene))?;
+        let spoilt_screen = input.spoil.map(|spoil| {
             let mut data = screen.clone();
             spoil(&mut data, n);
             data
         });
-        let images = methods.reflect(&mut stage, take, spoilt_screen.as_ref())?;
-        all.push(judge_frame(take, frame, screen, images));
+        let images = methods.reflect(&mut stage, input, spoilt_screen.as_ref())?;
+        all.push(seen_frame(input, frame, screen, images));
         step()?;
     }
     Ok(all)
@@ -134,7 +134,8 @@ impl CaseMethods {
     fn new(stage: &mut Stage, input: &CaseInput, frame: &Frame, variants: &[Variant]) -> Result<Self> {
         let camera = frame.camera(&input.scene);
         let materials = &input.scene.materials;
-        let setup = |variant: &Variant| (input.set)(variant.setup.with_extent(frame.extent)).seen_by(camera.kind());
+        let setup =
+            |variant: &Variant| (input.change_setup)(variant.setup.with_extent(frame.extent)).seen_by(camera.kind());
         let mut effects = Vec::new();
         if input.spoil.is_some() {
             let (context, data) = stage.parts();
@@ -194,7 +195,7 @@ impl CaseMethods {
 
 /// Traces the true reflection of a frame, and puts it together with the reflections `images` by the variants. `screen`
 /// is the frame's G-buffer.
-fn judge_frame(input: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
+fn seen_frame(input: &CaseInput, frame: &Frame, screen: GBufferData, images: Vec<Pixels>) -> SeenFrame {
     let mut scene = input.scene.clone();
     for (name, offset) in &frame.moved {
         scene.meshes.iter_mut().filter(|mesh| mesh.name == *name).for_each(|mesh| mesh.translate(*offset));
@@ -207,20 +208,20 @@ fn judge_frame(input: &CaseInput, frame: &Frame, screen: GBufferData, images: Ve
     let truth = reference.image(&state).reflection;
     let colors = |pixels: &Pixels| pixels.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let places = first_hits.receivers.iter().map(|receiver| receiver.map(|r| r.position)).collect();
-    let shown = world_hits(&world, &screen, &first_hits).iter().map(|hit| hit.visible_at().is_some()).collect();
+    let end_is_shown = world_hits(&world, &screen, &first_hits).iter().map(|hit| hit.visible_at().is_some()).collect();
     SeenFrame {
-        shown,
-        ends: ends(&world, &first_hits),
+        end_is_shown,
+        end_meshes: end_meshes(&world, &first_hits),
         places,
         truth,
-        made: images.iter().map(colors).collect(),
+        reflections: images.iter().map(colors).collect(),
         screen,
     }
 }
 
 /// Returns for each pixel the name of the mesh where its mirror ray ends; an empty name if it meets no mesh, or if the
 /// pixel has no mirror ray.
-fn ends(world: &World, first_hits: &FirstHits) -> Vec<String> {
+fn end_meshes(world: &World, first_hits: &FirstHits) -> Vec<String> {
     let end = |receiver: &Option<Receiver>| {
         let receiver = receiver.as_ref()?;
         let (origin, direction) = (receiver.position, receiver.mirror());

@@ -4,7 +4,7 @@
 
 use super::frames::SeenFrame;
 use glam::{DVec3, Vec3};
-use ssct_truth::metrics::flicker::{self, sound};
+use ssct_truth::metrics::flicker::{self, finite_or_black};
 
 /// Threshold on the difference of two linear colours, root mean square over the channels, above which a pixel is wrong.
 pub const WRONG: f32 = 0.1;
@@ -13,18 +13,18 @@ pub const WRONG: f32 = 0.1;
 pub type Region = fn(&SeenFrame, usize) -> bool;
 
 impl SeenFrame {
-    /// Width of the image in pixels.
+    /// Returns the width of the image in pixels.
     fn width(&self) -> usize {
         self.screen.width as usize
     }
 
     /// Returns the reflecting pixels within `reach` pixels of a pixel along each axis, including the pixel itself.
-    fn around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
-        self.all_around(pixel, reach).filter(|i| self.screen.reflects(*i))
+    fn reflecting_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
+        self.pixels_around(pixel, reach).filter(|i| self.screen.reflects(*i))
     }
 
     /// Returns all pixels within `reach` pixels of a pixel along each axis, including the pixel itself.
-    fn all_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
+    fn pixels_around(&self, pixel: usize, reach: usize) -> impl Iterator<Item = usize> + '_ {
         let (x, y) = (pixel % self.width(), pixel / self.width());
         let within = |position: usize, side: usize| position.saturating_sub(reach)..=(position + reach).min(side - 1);
         let columns = within(x, self.width());
@@ -32,15 +32,10 @@ impl SeenFrame {
         rows.flat_map(move |y| columns.clone().map(move |x| y * self.width() + x))
     }
 
-    /// Whether the pixel shows no edge: the mirror rays of the pixel and its reflecting neighbours end on one mesh.
-    pub fn is_inner(&self, pixel: usize) -> bool {
-        self.is_alike_around(pixel, 1)
-    }
-
     /// Whether the mirror rays of all reflecting pixels within `reach` pixels of a pixel end on the mesh where its own
     /// ends.
     pub fn is_alike_around(&self, pixel: usize, reach: usize) -> bool {
-        self.around(pixel, reach).all(|i| self.ends[i] == self.ends[pixel])
+        self.reflecting_around(pixel, reach).all(|i| self.end_meshes[i] == self.end_meshes[pixel])
     }
 
     /// Returns the place of a reflecting pixel's surface in the world, in metres; the origin for any other pixel.
@@ -59,24 +54,25 @@ pub fn everywhere(_: &SeenFrame, _: usize) -> bool {
     true
 }
 
-/// Selects reflecting pixels that show no edge.
-pub fn inner(seen: &SeenFrame, pixel: usize) -> bool {
-    seen.is_inner(pixel)
+/// Selects reflecting pixels that show no edge: the mirror rays of the pixel and its reflecting neighbours end on one
+/// mesh.
+pub fn no_edge(seen: &SeenFrame, pixel: usize) -> bool {
+    seen.is_alike_around(pixel, 1)
 }
 
 /// Selects reflecting pixels within a twelfth of the image's width of a surface close to the camera.
-pub fn beside_what_is_close(seen: &SeenFrame, pixel: usize) -> bool {
+pub fn near_close_surface(seen: &SeenFrame, pixel: usize) -> bool {
     // A reversed depth is about the near plane's distance divided by the view depth, if the far plane is far.
     let near = seen.screen.camera.lens.near_m;
-    seen.all_around(pixel, seen.width() / 12).any(|i| seen.screen.depth[i] > near / CLOSE_M)
+    seen.pixels_around(pixel, seen.width() / 12).any(|i| seen.screen.depth[i] > near / CLOSE_M)
 }
 
 /// Distance in metres below which a surface is close to the camera.
 const CLOSE_M: f32 = 2.0;
 
 /// Selects reflecting pixels that show no edge, and whose mirror ray ends at a point that the screen shows.
-pub fn inner_and_shown(seen: &SeenFrame, pixel: usize) -> bool {
-    seen.is_inner(pixel) && seen.shown[pixel]
+pub fn no_edge_and_shown(seen: &SeenFrame, pixel: usize) -> bool {
+    no_edge(seen, pixel) && seen.end_is_shown[pixel]
 }
 
 /// Whether two colours differ by more than [`WRONG`], or their difference is NaN.
@@ -87,23 +83,22 @@ fn is_wrong(a: Vec3, b: Vec3) -> bool {
 
 /// Returns the percentage of items that are true; 0 without items.
 fn percent(items: impl Iterator<Item = bool>) -> f64 {
-    let (counted, all) = items.fold((0, 0), |(counted, all), is_true| (counted + usize::from(is_true), all + 1));
-    if all == 0 { 0.0 } else { 100.0 * f64::from(counted as u32) / f64::from(all) }
+    let (mut count, mut count_true) = (0_u32, 0_u32);
+    for is_true in items {
+        count += 1;
+        count_true += u32::from(is_true);
+    }
+    if count == 0 { 0.0 } else { 100.0 * f64::from(count_true) / f64::from(count) }
 }
 
 /// Returns the percentage of a region's reflecting pixels whose colour is wrong in a frame.
-pub fn wrong(seen: &SeenFrame, variant: usize, region: Region) -> f64 {
-    wrong_of(seen, variant, seen.pixels(region))
-}
-
-/// Returns the percentage of the given pixels, by their indices, whose colour is wrong in a frame.
-pub fn wrong_of(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>) -> f64 {
-    percent(pixels.map(|i| is_wrong(seen.made[variant][i], seen.truth[i])))
+pub fn percent_wrong(seen: &SeenFrame, variant: usize, region: Region) -> f64 {
+    percent(seen.pixels(region).map(|i| is_wrong(seen.reflections[variant][i], seen.truth[i])))
 }
 
 /// Returns the percentage of a region's pixels that are wrong in the last frame.
-pub fn wrong_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
-    all.last().map_or(0.0, |seen| wrong(seen, variant, region))
+pub fn percent_wrong_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
+    all.last().map_or(0.0, |seen| percent_wrong(seen, variant, region))
 }
 
 /// Returns the difference between the greatest and the least of some numbers, which must be at least 0.
@@ -114,16 +109,16 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
 /// Returns the percentage of a region's pixels that are wrong in the worst frame, minus the percentage in the best
 /// frame.
 pub fn spread_of_wrong(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
-    spread(all.iter().map(|seen| wrong(seen, variant, region)))
+    spread(all.iter().map(|seen| percent_wrong(seen, variant, region)))
 }
 
 /// Returns the percentage of a region's pixels whose colour differs from their colour in the first frame by more than
 /// [`WRONG`], in the later frame in which most do. All frames have one size, so that a pixel has one index in all of
 /// them.
-pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
+pub fn changed_from_first(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let percentage = |seen: &SeenFrame| {
-        let first = &all[0].made[variant];
-        percent(seen.pixels(region).map(|i| is_wrong(seen.made[variant][i], first[i])))
+        let first = &all[0].reflections[variant];
+        percent(seen.pixels(region).map(|i| is_wrong(seen.reflections[variant][i], first[i])))
     };
     all.iter().skip(1).map(percentage).fold(0.0, f64::max)
 }
@@ -133,7 +128,8 @@ pub fn differing(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
 pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let Some(seen) = all.last() else { return 0.0 };
     let square = |v: Vec3| f64::from(v.length_squared());
-    let error: f64 = seen.pixels(region).map(|i| square(sound(seen.made[variant][i]) - seen.truth[i])).sum();
+    let error: f64 =
+        seen.pixels(region).map(|i| square(finite_or_black(seen.reflections[variant][i]) - seen.truth[i])).sum();
     let truth: f64 = seen.pixels(region).map(|i| square(seen.truth[i])).sum();
     if truth == 0.0 { 0.0 } else { 100.0 * (error / truth).sqrt() }
 }
@@ -141,11 +137,11 @@ pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
 /// Returns how much redder the given pixels are than in the true reflection, in percent of the redness of `color`. The
 /// redness of a colour is its red minus its green. The result is the mean over the pixels; a pixel that is less red
 /// counts as 0.
-pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
+pub fn excess_of_red(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usize>, color: Vec3) -> f64 {
     let redness = |color: Vec3| f64::from(color.x - color.y);
     let (mut sum, mut count) = (0.0, 0_u32);
     for i in pixels {
-        sum += (redness(sound(seen.made[variant][i])) - redness(seen.truth[i])).max(0.0);
+        sum += (redness(finite_or_black(seen.reflections[variant][i])) - redness(seen.truth[i])).max(0.0);
         count += 1;
     }
     if count == 0 { 0.0 } else { 100.0 * sum / (f64::from(count) * redness(color)) }
@@ -156,9 +152,9 @@ pub fn excess(seen: &SeenFrame, variant: usize, pixels: impl Iterator<Item = usi
 pub type Changes = fn([&SeenFrame; 2], [&[Vec3]; 2]) -> Vec<Vec3>;
 
 /// Returns the change of each pixel that reflects in both frames, which have one size.
-pub fn of_pixels([before, now]: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
+pub fn pixel_changes([before, now]: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
     let both = now.pixels(everywhere).filter(|i| before.screen.reflects(*i));
-    both.map(|i| sound(images[1][i]) - sound(images[0][i])).collect()
+    both.map(|i| finite_or_black(images[1][i]) - finite_or_black(images[0][i])).collect()
 }
 
 /// Columns and rows of the grid on which frames of several sizes are compared.
@@ -166,20 +162,20 @@ const GRID: [usize; 2] = [60, 34];
 
 /// Returns the change of the mean colour of each cell of a grid over the image, so that frames may differ in size.
 /// Cells without reflecting pixels in one of the frames are left out.
-pub fn of_cells(frames: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
-    let [before, now] = [0, 1].map(|n| means(frames[n], images[n]));
+pub fn cell_changes(frames: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
+    let [before, now] = [0, 1].map(|n| cell_means(frames[n], images[n]));
     before.into_iter().zip(now).filter_map(|(before, now)| Some(now? - before?)).collect()
 }
 
 /// Returns the mean colour of the reflecting pixels in each cell of the grid, row by row; `None` for a cell without
 /// any.
-fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
+fn cell_means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); GRID[0] * GRID[1]];
     let [width, height] = [seen.width(), seen.screen.height as usize];
     for i in seen.pixels(everywhere) {
         let [column, row] = [GRID[0] * (i % width) / width, GRID[1] * (i / width) / height];
         let (sum, count) = &mut sums[row * GRID[0] + column];
-        *sum += sound(image[i]);
+        *sum += finite_or_black(image[i]);
         *count += 1.0;
     }
     sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| sum / count)).collect()
@@ -189,11 +185,13 @@ fn means(seen: &SeenFrame, image: &[Vec3]) -> Vec<Option<Vec3>> {
 #[derive(Default)]
 struct ChangeSums {
     /// Sum of the mean absolute differences between the method's changes and the true changes.
-    off: f64,
+    error: f64,
     /// Sum of the mean absolute values of the true changes.
-    own: f64,
-    /// Sums of the mean colours of the true reflection, and of the method's reflection.
-    bright: [f64; 2],
+    true_change: f64,
+    /// Sum of the mean colours of the true reflection.
+    true_light: f64,
+    /// Sum of the mean colours of the method's reflection.
+    made_light: f64,
 }
 
 impl ChangeSums {
@@ -202,56 +200,56 @@ impl ChangeSums {
         let mut sums = Self::default();
         for pair in all.windows(2) {
             let frames = [&pair[0], &pair[1]];
-            let made_changes = changes(frames, frames.map(|seen| &seen.made[variant][..]));
+            let made_changes = changes(frames, frames.map(|seen| &seen.reflections[variant][..]));
             let true_changes = changes(frames, frames.map(|seen| &seen.truth[..]));
-            sums.off += flicker::mean(&made_changes, |n, change| change - true_changes[n]);
-            sums.own += flicker::mean(&true_changes, |_, change| change);
-            for (sum, image) in sums.bright.iter_mut().zip([&pair[1].truth, &pair[1].made[variant]]) {
-                let colors: Vec<Vec3> = pair[1].pixels(everywhere).map(|i| sound(image[i])).collect();
-                *sum += flicker::mean(&colors, |_, color| color);
-            }
+            sums.error += flicker::mean(&made_changes, |n, change| change - true_changes[n]);
+            sums.true_change += flicker::mean(&true_changes, |_, change| change);
+            let now = &pair[1];
+            let light = |image: &[Vec3]| {
+                let colors: Vec<Vec3> = now.pixels(everywhere).map(|i| finite_or_black(image[i])).collect();
+                flicker::mean(&colors, |_, color| color)
+            };
+            sums.true_light += light(&now.truth);
+            sums.made_light += light(&now.reflections[variant]);
         }
         sums
     }
 
-    /// Returns how far the method's changes are off the true changes, in percent of the sum `whole`. `None` if `whole`
-    /// is 0, or if the method shows less than half of the true light, since a missing reflection never flickers.
+    /// Returns how far the method's changes differ from the true changes, in percent of the sum `whole`. `None` if
+    /// `whole` is 0, or if the method shows less than half of the true light: a missing reflection never flickers.
     fn percent_of(&self, whole: f64) -> Option<f64> {
-        let [true_light, made_light] = self.bright;
-        (whole > 0.0 && made_light >= 0.5 * true_light).then_some(100.0 * self.off / whole)
+        let shows_enough = self.made_light >= 0.5 * self.true_light;
+        (whole > 0.0 && shows_enough).then_some(100.0 * self.error / whole)
     }
 }
 
 /// Returns how far changes from frame to frame differ from the true changes: the mean absolute difference over changes
 /// and channels, in percent of the mean absolute true change.
-pub fn off_change(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
+pub fn change_error(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::over_frames(all, variant, changes);
-    sums.percent_of(sums.own)
+    sums.percent_of(sums.true_change)
 }
 
 /// Returns how far changes from frame to frame differ from the true changes, in percent of the true mean colour. This
 /// is for films whose true reflection hardly changes, so that the changes themselves are no scale.
-pub fn off_change_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
+pub fn change_error_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
     let sums = ChangeSums::over_frames(all, variant, changes);
-    sums.percent_of(sums.bright[0])
+    sums.percent_of(sums.true_light)
 }
 
 /// Greatest channel of a colour that counts as black.
 const BLACK: f32 = 0.02;
 
 /// Returns the percentage of a region's pixels, in the worst frame, that are NaN, infinite or black where the true
-/// reflection is not dark.
+/// reflection is so bright that black would be wrong.
 pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
     let percentage = |seen: &SeenFrame| {
-        percent(seen.pixels(region).map(|i| is_black(seen.made[variant][i]) && !is_dark(seen.truth[i])))
+        percent(
+            seen.pixels(region).map(|i| is_black(seen.reflections[variant][i]) && is_wrong(Vec3::ZERO, seen.truth[i])),
+        )
     };
     all.iter().map(percentage).fold(0.0, f64::max)
-}
-
-/// Whether a colour of the true reflection is so dark that black in its place would not be wrong.
-fn is_dark(truth: Vec3) -> bool {
-    !is_wrong(Vec3::ZERO, truth)
 }
 
 #[cfg(test)]
@@ -273,14 +271,14 @@ mod tests {
             color: vec![Vec3::ZERO; 8],
             surface: vec![Surface::Lit; 8],
         };
-        let ends = ["a", "a", "a", "b"].repeat(2).into_iter().map(str::to_owned).collect();
+        let end_meshes = ["a", "a", "a", "b"].repeat(2).into_iter().map(str::to_owned).collect();
         SeenFrame {
             screen,
             truth: colors(truth),
-            ends,
-            shown: vec![true; 8],
+            end_meshes,
+            end_is_shown: vec![true; 8],
             places: vec![None; 8],
-            made: vec![colors(made)],
+            reflections: vec![colors(made)],
         }
     }
 
@@ -291,51 +289,47 @@ mod tests {
 
     #[test]
     fn wrong_pixels_are_those_that_differ_or_are_no_number() {
-        assert_eq!(wrong(&seen(HALF, HALF), 0, everywhere), 0.0);
-        assert_eq!(wrong(&seen(HALF, OFF), 0, everywhere), 25.0);
+        assert_eq!(percent_wrong(&seen(HALF, HALF), 0, everywhere), 0.0);
+        assert_eq!(percent_wrong(&seen(HALF, OFF), 0, everywhere), 25.0);
         // The pixels of the third and the fourth column show an edge.
-        assert_eq!(wrong(&seen(HALF, OFF), 0, inner), 0.0);
+        assert_eq!(percent_wrong(&seen(HALF, OFF), 0, no_edge), 0.0);
         assert_eq!(spread_of_wrong(&[seen(HALF, OFF), seen(HALF, HALF)], 0, everywhere), 25.0);
     }
 
-    /// Tests that later frames are compared with the first.
     #[test]
-    fn settings_that_must_not_matter_are_held_against_the_first() {
+    fn later_frames_are_compared_with_the_first() {
         let frame = |made| seen(HALF, made);
-        assert_eq!(differing(&[frame(HALF), frame(HALF)], 0, everywhere), 0.0);
-        assert_eq!(differing(&[frame(OFF), frame(HALF), frame(OFF)], 0, everywhere), 25.0);
+        assert_eq!(changed_from_first(&[frame(HALF), frame(HALF)], 0, everywhere), 0.0);
+        assert_eq!(changed_from_first(&[frame(OFF), frame(HALF), frame(OFF)], 0, everywhere), 25.0);
     }
 
-    /// Tests an error in percent of the truth, and an excess of red, for which pixels that are less red do not count.
     #[test]
-    fn an_error_is_relative_and_an_excess_counts_what_is_redder_alone() {
+    fn an_error_is_a_share_of_the_truth_and_an_excess_counts_only_redder_pixels() {
         let error = error_at_last(&[seen(HALF, [0.25; 8])], 0, everywhere);
         assert!((error - 50.0).abs() < 1e-4, "{error}");
         let mut red = seen(HALF, HALF);
-        red.made[0][2] = Vec3::new(0.5, 0.1, 0.5);
-        red.made[0][3] = Vec3::new(0.1, 0.5, 0.5);
-        let excess = excess(&red, 0, 0..4, Vec3::X);
+        red.reflections[0][2] = Vec3::new(0.5, 0.1, 0.5);
+        red.reflections[0][3] = Vec3::new(0.1, 0.5, 0.5);
+        let excess = excess_of_red(&red, 0, 0..4, Vec3::X);
         assert!((excess - 10.0).abs() < 1e-4, "0.4 in one of four: {excess}");
     }
 
-    /// Tests that black, NaN and infinite pixels count unless the true reflection is black.
     #[test]
-    fn black_counts_where_the_truth_is_not() {
+    fn black_and_infinite_pixels_and_nans_count_unless_the_truth_is_black() {
         let made = [0.0, f32::NAN, f32::INFINITY, 0.5, 0.5, 0.5, 0.5, 0.0];
         let truth = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.0];
         assert_eq!(blackened(&[seen(truth, made), seen(HALF, HALF)], 0, everywhere), 37.5);
     }
 
-    /// Tests that changes are compared with the true changes, and that a method that shows nothing has no number.
     #[test]
-    fn changes_are_held_against_the_truths_and_nothing_has_none() {
+    fn changes_are_compared_with_true_changes_and_an_absent_reflection_has_no_number() {
         let film = |made: [[f32; 8]; 2]| [seen([0.4; 8], made[0]), seen([0.5; 8], made[1])];
-        let change = |made| off_change(&film(made), 0, of_pixels);
+        let change = |made| change_error(&film(made), 0, pixel_changes);
         assert_eq!(change([[0.4; 8], [0.5; 8]]), Some(0.0));
         let shaking = change([[0.4; 8], [0.7; 8]]).unwrap();
         assert!((shaking - 200.0).abs() < 1e-3, "0.3 where 0.1 is right: {shaking}");
         assert_eq!(change([[0.0; 8]; 2]), None, "nothing never flickers");
-        let at_rest = off_change_at_rest(&film([[0.4; 8], [0.6; 8]]), 0, of_cells).unwrap();
+        let at_rest = change_error_at_rest(&film([[0.4; 8], [0.6; 8]]), 0, cell_changes).unwrap();
         assert!((at_rest - 20.0).abs() < 1e-3, "0.1 of 0.5: {at_rest}");
     }
 }

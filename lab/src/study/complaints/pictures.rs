@@ -5,7 +5,7 @@ use super::frames::SeenFrame;
 use crate::study::exhibit::{Content, ExtraFile};
 use glam::Vec3;
 use ssct_ground::math::display_byte;
-use ssct_truth::metrics::flicker::sound;
+use ssct_truth::metrics::flicker::finite_or_black;
 use ssct_truth::metrics::video::Film;
 
 /// The folder of the pictures.
@@ -27,12 +27,12 @@ pub fn file(complaint: &Complaint, method: &str) -> String {
 }
 
 /// Makes the picture files of a case: of the true reflection, and of each variant, in the order of their names `names`.
-pub fn all(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec<ExtraFile> {
+pub fn files(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec<ExtraFile> {
     let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
-    let made = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.made[variant])).collect();
+    let of_variant = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.reflections[variant])).collect();
     let extra_file =
         |name: &str, pictures| ExtraFile { path: file(complaint, name), content: content(complaint, pictures) };
-    let methods = names.iter().enumerate().map(|(variant, name)| extra_file(name, made(variant)));
+    let methods = names.iter().enumerate().map(|(variant, name)| extra_file(name, of_variant(variant)));
     std::iter::once(extra_file(TRUTH, truth)).chain(methods).collect()
 }
 
@@ -43,7 +43,8 @@ type Picture = ([u32; 2], Vec<u8>);
 fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
     let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
     let colors = seen.screen.color.iter().zip(reflection).enumerate();
-    let bytes = colors.flat_map(|(i, (lit, color))| (*lit + share(i) * sound(*color)).to_array().map(display_byte));
+    let bytes =
+        colors.flat_map(|(i, (lit, color))| (*lit + share(i) * finite_or_black(*color)).to_array().map(display_byte));
     ([seen.screen.width, seen.screen.height], bytes.collect())
 }
 
@@ -58,11 +59,11 @@ fn content(complaint: &Complaint, pictures: Vec<Picture>) -> Content {
     let whole_width = pictures.iter().map(|(extent, _)| extent[0]).sum();
     let mut bytes = Vec::new();
     for y in 0..height {
-        for (extent, own_bytes) in &pictures {
+        for (extent, picture_bytes) in &pictures {
             let row_bytes = 3 * extent[0] as usize;
             // Below a picture that is less high than others it is white, since black means a missing reflection.
             let white = vec![255; row_bytes];
-            bytes.extend(own_bytes.get(y as usize * row_bytes..(y as usize + 1) * row_bytes).unwrap_or(&white));
+            bytes.extend(picture_bytes.get(y as usize * row_bytes..(y as usize + 1) * row_bytes).unwrap_or(&white));
         }
     }
     Content::Picture([whole_width, height], bytes)

@@ -45,7 +45,7 @@ const ABOUT: &str = "A row for each complaint of engines' users, with one number
     of there is. 0 is the truth, which is the world reference, and numbers that are good are marked with a star. A dash stands \
     where a method shows less than half of the light that it should: nothing never flickers.";
 
-const SCALE: &str = "Every number is a percentage, and 0 is the truth. A star marks a number that is good: one that is at most what the \
+const ABOUT_NUMBERS: &str = "Every number is a percentage, and 0 is the truth. A star marks a number that is good: one that is at most what the \
     column \"good\" says. Where wrong pixels are counted, 100 means that all of them are wrong, each by more than a tenth of white. \
     Where an error is measured, 100 means an error as large as the truth itself, as of a method that shows nothing, and numbers may \
     be greater. A dash means that the method shows less than half of the light, so that it cannot be judged.";
@@ -59,24 +59,29 @@ impl Row for ComplaintRow {
         &self.program
     }
 
-    /// The table of numbers, and the table that says what the numbers mean.
+    /// Makes the table of numbers, and the table that says what the numbers mean.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         vec![
-            Table::new("complaints", "Complaints and methods", ABOUT, numbers(rows)),
-            Table::of_sentences("meanings", "What is complained of, and what the numbers say", SCALE, meanings(rows)),
+            Table::new("complaints", "Complaints and methods", ABOUT, number_cells(rows)),
+            Table::of_sentences(
+                "meanings",
+                "What is complained of, and what the numbers say",
+                ABOUT_NUMBERS,
+                meaning_cells(rows),
+            ),
         ]
     }
 
-    /// The pictures of each case: the true reflection beside each method.
+    /// Returns the pictures of each case: the true reflection beside each method.
     fn clips(rows: &[Self]) -> Vec<ClipGroup> {
         let group = |case: &String| {
-            let here: Vec<&Self> = rows.iter().filter(|row| row.case == *case).collect();
+            let of_case: Vec<&Self> = rows.iter().filter(|row| row.case == *case).collect();
             let complaint = COMPLAINTS.iter().find(|c| c.name == case)?;
             let clip = |name: &str, caption: String| {
                 let file = pictures::file(complaint, name);
                 Clip { file, name: name.to_owned(), caption }
             };
-            let methods = here.iter().map(|row| clip(&row.method, row.shown()));
+            let methods = of_case.iter().map(|row| clip(&row.method, row.value_text()));
             let clips = std::iter::once(clip(TRUTH, String::new())).chain(methods).collect();
             Some(ClipGroup { title: format!("{case}: {}", complaint.complaint), clips })
         };
@@ -85,8 +90,8 @@ impl Row for ComplaintRow {
 }
 
 impl ComplaintRow {
-    /// The value as tables show it.
-    fn shown(&self) -> String {
+    /// Returns the value as tables show it.
+    fn value_text(&self) -> String {
         let star = if self.is_good { "*" } else { "" };
         self.value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1}{star}"))
     }
@@ -94,12 +99,12 @@ impl ComplaintRow {
 
 /// Makes the cells of the table of numbers: a line for each case and a column for each method. The second column has
 /// the greatest number that is good.
-fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
+fn number_cells(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
-    let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.shown()));
+    let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.value_text()));
     for (n, line) in cells.iter_mut().enumerate() {
-        let is_case = |row: &ComplaintRow| row.case == line[0];
-        let at_most = rows.iter().find(|row| is_case(row)).map_or_else(String::new, |row| row.at_most.to_string());
+        let first_of_case = rows.iter().find(|row| row.case == line[0]);
+        let at_most = first_of_case.map_or_else(String::new, |row| row.at_most.to_string());
         line.insert(1, if n == 0 { "good".to_owned() } else { format!("≤ {at_most}") });
     }
     cells
@@ -107,7 +112,7 @@ fn numbers(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
 
 /// Makes the cells of the table that describes the cases: a line for each, with its complaint and the meaning of its
 /// number.
-fn meanings(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
+fn meaning_cells(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
     let mut cells = vec![["complaint", "what users say", "number"].map(str::to_owned).to_vec()];
     let meaning = |row: &ComplaintRow| vec![row.case.clone(), row.complaint.clone(), row.measured.clone()];
     cells.extend(distinct(rows.iter().map(meaning)));

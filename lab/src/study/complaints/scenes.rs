@@ -17,19 +17,19 @@ pub const GREY: Vec3 = Vec3::new(0.5, 0.5, 0.5);
 pub const DARK: Vec3 = Vec3::new(0.04, 0.04, 0.05);
 pub const WHITE: Vec3 = Vec3::new(0.95, 0.95, 0.95);
 
-/// The lens of the cases, with the given near and far plane.
+/// Returns the lens of the cases, with the given near and far plane.
 pub fn lens(near_m: f32, far_m: f32) -> Lens {
     Lens::perspective(FIELD_OF_VIEW.to_radians(), near_m, far_m)
 }
 
 /// A scene under construction: meshes, each with its own material.
-pub struct Parts {
+pub struct SceneParts {
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
 }
 
-impl Parts {
-    /// A scene without parts.
+impl SceneParts {
+    /// Makes a scene without parts.
     pub fn new() -> Self {
         Self { meshes: Vec::new(), materials: Vec::new() }
     }
@@ -55,7 +55,7 @@ impl Parts {
     }
 
     /// Finishes the scene, with one view: from the place `eye` towards the point `look_at`.
-    pub fn seen(self, name: &str, eye: [f32; 3], look_at: [f32; 3]) -> Scene {
+    pub fn with_view(self, name: &str, eye: [f32; 3], look_at: [f32; 3]) -> Scene {
         let view = View { name: name.to_owned(), eye: eye.into(), look_at: look_at.into(), ..View::default() };
         Scene {
             name: name.to_owned(),
@@ -106,13 +106,12 @@ pub fn block(min: [f32; 3], max: [f32; 3]) -> impl FnOnce(&mut MeshBuilder) {
 
 /// Adds a back wall at `z`, from −`x` to `x` and up to `height`, in upright stripes of two colours, so that a displaced
 /// reflection is visible.
-fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
-    let stripes = 24;
-    let mut parts = parts;
+fn back_wall(mut parts: SceneParts, x: f32, height: f32, z: f32) -> SceneParts {
+    const STRIPES: usize = 24;
     for (name, albedo, first) in [("wall", GREY, 0), ("wall-dark", GREEN, 1)] {
         parts = parts.paint(name, albedo, |mesh| {
-            for stripe in (first..stripes).step_by(2) {
-                let [from, to] = [stripe, stripe + 1].map(|n| x * (2.0 * n as f32 / stripes as f32 - 1.0));
+            for stripe in (first..STRIPES).step_by(2) {
+                let [from, to] = [stripe, stripe + 1].map(|n| x * (2.0 * n as f32 / STRIPES as f32 - 1.0));
                 wall([from, to], [0.0, height], z)(mesh);
             }
         });
@@ -122,26 +121,26 @@ fn back_wall(parts: Parts, x: f32, height: f32, z: f32) -> Parts {
 
 /// A reflecting floor of a roughness, blocks that stand on it, and a wall behind them.
 pub fn blocks(name: &str, roughness: f32) -> Scene {
-    let parts = Parts::new()
+    let parts = SceneParts::new()
         .mirror("floor", roughness, floor([-12.0, 12.0], [-2.0, 12.0]))
         .paint("red", RED, block([-2.2, 0.0, 4.0], [-1.2, 1.0, 5.0]))
         .paint("blue", BLUE, block([0.6, 0.0, 6.0], [1.6, 1.8, 7.0]))
         .paint("yellow", YELLOW, block([2.0, 0.0, 3.5], [2.6, 0.5, 4.1]));
-    back_wall(parts, 12.0, 12.0, 12.0).seen(name, [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+    back_wall(parts, 12.0, 12.0, 12.0).with_view(name, [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
 /// A tower that hangs behind the end of a floor, with sky between tower and floor.
 pub fn sky_gap() -> Scene {
-    Parts::new()
+    SceneParts::new()
         .mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 8.0]))
         .paint("tower", RED, block([-2.5, 1.4, 14.0], [2.5, 5.0, 16.0]))
-        .seen("sky-gap", [0.0, 1.5, -2.0], [0.0, 1.2, 8.0])
+        .with_view("sky-gap", [0.0, 1.5, -2.0], [0.0, 1.2, 8.0])
 }
 
 /// Poles before a wall, reflected in a mirroring floor and a mirroring side wall.
 pub fn poles() -> Scene {
     let pole = |mesh: &mut MeshBuilder, x: f32, z: f32| block([x, 0.0, z], [x + 0.06, 2.6, z + 0.06])(mesh);
-    let parts = Parts::new()
+    let parts = SceneParts::new()
         .mirror("floor", 0.0, floor([-12.0, 3.0], [-2.0, 12.0]))
         .mirror("mirror", 0.0, side(3.0, [0.0, 4.0], [0.0, 12.0]))
         .paint("poles", RED, |mesh| {
@@ -149,70 +148,70 @@ pub fn poles() -> Scene {
                 pole(mesh, x, z);
             }
         });
-    back_wall(parts, 12.0, 12.0, 12.0).seen("poles", [-0.8, 1.5, -2.0], [0.6, 1.0, 5.0])
+    back_wall(parts, 12.0, 12.0, 12.0).with_view("poles", [-0.8, 1.5, -2.0], [0.6, 1.0, 5.0])
 }
 
 /// A glossy floor, seen from a hand's breadth above it.
 pub fn grazing() -> Scene {
-    let parts = Parts::new()
+    let parts = SceneParts::new()
         .mirror("floor", 0.3, floor([-12.0, 12.0], [-2.0, 12.0]))
         .paint("red", RED, block([-2.0, 0.0, 5.0], [-1.0, 1.5, 6.0]))
         .paint("white", WHITE, block([0.5, 0.0, 7.0], [0.9, 3.0, 7.4]));
-    back_wall(parts, 12.0, 12.0, 12.0).seen("grazing", [0.0, 0.25, -2.0], [0.0, 0.3, 5.0])
+    back_wall(parts, 12.0, 12.0, 12.0).with_view("grazing", [0.0, 0.25, -2.0], [0.0, 0.3, 5.0])
 }
 
 /// A pillar on a mirroring floor, for cameras near and far.
 pub fn pillar() -> Scene {
-    let parts = Parts::new().mirror("floor", 0.0, floor([-30.0, 30.0], [-60.0, 8.0])).paint(
+    let parts = SceneParts::new().mirror("floor", 0.0, floor([-30.0, 30.0], [-60.0, 8.0])).paint(
         "pillar",
         RED,
         block([-0.4, 0.0, 2.0], [0.4, 3.0, 2.8]),
     );
-    back_wall(parts, 30.0, 12.0, 8.0).seen("pillar", [0.0, 1.5, -4.0], [0.0, 1.0, 2.0])
+    back_wall(parts, 30.0, 12.0, 8.0).with_view("pillar", [0.0, 1.5, -4.0], [0.0, 1.0, 2.0])
 }
 
 /// A bright block that hangs before a dark wall, reflected in a glossy floor.
 pub fn silhouettes() -> Scene {
-    Parts::new()
+    SceneParts::new()
         .mirror("floor", 0.25, floor([-12.0, 12.0], [-2.0, 12.0]))
         .paint("white", WHITE, block([-1.5, 0.8, 3.5], [0.0, 2.3, 4.0]))
         .paint("yellow", YELLOW, block([1.2, 0.0, 4.5], [1.6, 2.6, 5.0]))
         .paint("wall", DARK, wall([-14.0, 14.0], [0.0, 12.0], 12.0))
-        .seen("silhouettes", [0.0, 1.5, -2.0], [0.0, 0.8, 4.0])
+        .with_view("silhouettes", [0.0, 1.5, -2.0], [0.0, 0.8, 4.0])
 }
 
 /// A side wall of black metal that shows nothing but reflections, and that a mirroring floor reflects.
 pub fn metal() -> Scene {
-    let parts = Parts::new()
+    let parts = SceneParts::new()
         .mirror("floor", 0.0, floor([-12.0, 3.0], [-2.0, 12.0]))
         .mirror("metal", 0.0, side(3.0, [0.0, 3.0], [1.0, 11.0]))
         .paint("red", RED, block([-1.0, 0.0, 6.0], [0.0, 2.0, 7.0]));
-    back_wall(parts, 12.0, 12.0, 12.0).seen("metal", [-0.6, 1.5, -2.0], [0.8, 1.0, 5.0])
+    back_wall(parts, 12.0, 12.0, 12.0).with_view("metal", [-0.6, 1.5, -2.0], [0.8, 1.0, 5.0])
 }
 
 /// A block that moves before a wall, on a mirroring floor.
 pub fn moving() -> Scene {
-    let parts = Parts::new().mirror("floor", 0.15, floor([-12.0, 12.0], [-2.0, 12.0])).paint(
+    let parts = SceneParts::new().mirror("floor", 0.15, floor([-12.0, 12.0], [-2.0, 12.0])).paint(
         "thing",
         RED,
         block([-3.0, 0.2, 4.0], [-2.0, 1.4, 5.0]),
     );
-    back_wall(parts, 12.0, 12.0, 12.0).seen("moving", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+    back_wall(parts, 12.0, 12.0, 12.0).with_view("moving", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
 /// A weapon close to the camera, above a mirroring floor.
 pub fn weapon() -> Scene {
-    let parts = Parts::new()
+    let parts = SceneParts::new()
         .mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]))
         .paint("weapon", RED, block([0.08, 1.18, -1.6], [0.2, 1.3, -1.0]))
         .paint("blue", BLUE, block([0.6, 0.0, 6.0], [1.6, 1.8, 7.0]));
-    back_wall(parts, 12.0, 12.0, 12.0).seen("weapon", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+    back_wall(parts, 12.0, 12.0, 12.0).with_view("weapon", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
 /// A wall for the case of a pane between the camera and the wall; the scene itself has no pane.
 pub fn pane() -> Scene {
-    let parts = Parts::new().mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]));
-    back_wall(parts, 12.0, 12.0, 12.0).seen("pane", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
+    let parts = SceneParts::new().mirror("floor", 0.0, floor([-12.0, 12.0], [-2.0, 12.0]));
+    back_wall(parts, 12.0, 12.0, 12.0).with_view("pane", [0.0, 1.5, -2.0], [0.0, 0.8, 5.0])
 }
 
 /// A wall of fine stripes, reflected in a floor that bends down with distance, so that a pixel of its far part reflects
@@ -221,7 +220,7 @@ pub fn stripes() -> Scene {
     // The radius of the floor's bend, and the length on the wall that one repetition of the stripes takes.
     const RADIUS_M: f32 = 60.0;
     const STRIPES_M: f32 = 0.5;
-    let mut scene = Parts::new()
+    let mut scene = SceneParts::new()
         .mirror("floor", 0.0, |mesh| {
             mesh.surface(Vec3::ZERO, [1, 96], |s, t| {
                 let (x, z) = (24.0 * s - 12.0, 14.0 * t);
@@ -235,7 +234,7 @@ pub fn stripes() -> Scene {
             wall([-14.0, 14.0], [-4.0, 12.0], 16.0)(&mut striped);
             *mesh = striped;
         })
-        .seen("stripes", [0.0, 1.2, -1.0], [0.0, 0.9, 5.0]);
+        .with_view("stripes", [0.0, 1.2, -1.0], [0.0, 0.9, 5.0]);
     scene.materials[1].albedo_map = Some(0);
     scene.textures = vec![stripe()];
     scene

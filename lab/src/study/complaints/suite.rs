@@ -9,7 +9,7 @@ use crate::stage::Globals;
 use crate::study::engine::{Bench, Planned, Study};
 use crate::study::error::Variant;
 use crate::study::journal::scene_digest;
-use crate::study::record::{Provenance, recorded};
+use crate::study::record::{Provenance, recorded_setup};
 use serde_json::json;
 use ssct::gpu::Gpu;
 use ssct::methods::setup::BeyondScreen;
@@ -37,7 +37,7 @@ impl ComplaintStudy {
     pub fn new(methods: &[&'static MethodInfo], is_quick: bool, words: Option<&str>) -> Result<Self> {
         let size = SIZES[usize::from(is_quick)];
         let chosen = COMPLAINTS.iter().filter(|c| words.is_none_or(|words| c.name.contains(words)));
-        let cases: Vec<_> = chosen.map(|complaint| (complaint, (complaint.take)(size))).collect();
+        let cases: Vec<_> = chosen.map(|complaint| (complaint, (complaint.input)(size))).collect();
         if let (Some(words), true) = (words, cases.is_empty()) {
             let names: Vec<&str> = COMPLAINTS.iter().map(|c| c.name).collect();
             return Err(Error::usage(format!(
@@ -60,7 +60,7 @@ impl ComplaintStudy {
     ) -> ComplaintRow {
         let (name, method_variant) = &self.variants[variant];
         let first = &input.frames[0];
-        let setup = (input.set)(method_variant.setup.with_extent(first.extent));
+        let setup = (input.change_setup)(method_variant.setup.with_extent(first.extent));
         let lens = first.view.lens.unwrap_or(input.scene.lens);
         ComplaintRow {
             kind: "complaints".to_owned(),
@@ -75,7 +75,7 @@ impl ComplaintStudy {
             width: first.extent[0],
             height: first.extent[1],
             frames: input.frames.len(),
-            setup: recorded(&setup, Some(method_variant.method), &lens, &Globals::default()),
+            setup: recorded_setup(&setup, Some(method_variant.method), &lens, &Globals::default()),
         }
     }
 }
@@ -103,12 +103,12 @@ impl Study for ComplaintStudy {
     fn cells(&self) -> Vec<Planned<usize>> {
         let planned = |(index, (complaint, input)): (usize, &(&Complaint, CaseInput))| {
             let variant_settings = |(name, variant): &(String, Variant)| {
-                let setup = (input.set)(variant.setup.clone());
+                let setup = (input.change_setup)(variant.setup.clone());
                 json!([name, setup.recorded(Some(variant.method))])
             };
             let set: Vec<_> = self.variants.iter().map(variant_settings).collect();
-            let shown = json!([scene_digest(&input.scene), format!("{:?}", input.frames), input.bounces, input.rays]);
-            Planned { name: complaint.name.to_owned(), setup: json!([complaint.measured, shown, set]), cell: index }
+            let inputs = json!([scene_digest(&input.scene), format!("{:?}", input.frames), input.bounces, input.rays]);
+            Planned { name: complaint.name.to_owned(), setup: json!([complaint.measured, inputs, set]), cell: index }
         };
         self.cases.iter().enumerate().map(planned).collect()
     }
@@ -129,7 +129,7 @@ impl Study for ComplaintStudy {
         let (gpu, unused_steps) = (bench.gpu, self.steps(cell) - input.frames.len());
         let frames = show_frames(gpu, input, &variants, &mut || bench.step())?;
         (bench.advance)(unused_steps);
-        pictures::all(complaint, &names, &frames).iter().try_for_each(|file| (bench.keep)(file))?;
+        pictures::files(complaint, &names, &frames).iter().try_for_each(|file| (bench.keep)(file))?;
         let rows = (0..names.len()).map(|variant| {
             let value = (complaint.number)(&frames, variant);
             self.row(gpu, case, variant, value)

@@ -71,14 +71,14 @@ pub(super) struct MethodHits {
 }
 
 /// A template for the records of a variant, with the fields that they share.
-pub(super) struct Record {
+pub(super) struct RecordTemplate {
     /// The record, without errors.
     pub(super) record: ErrorRecord,
     /// The version of the oracle that the variant is compared with.
     oracle: OracleVersion,
 }
 
-impl Record {
+impl RecordTemplate {
     /// Makes the template of a subject's records; `time` is `None` for a subject that was not timed.
     pub(super) fn new(
         gpu: &Gpu,

@@ -24,10 +24,13 @@ pub fn flip_file(cell: &str, name: &str) -> String {
 pub(super) fn files(name: &str, cell: &MeasuredCell) -> Vec<ExtraFile> {
     let image_file = |file: String, content| ExtraFile { path: format!("{IMAGES}/{file}"), content };
     let mut files = Vec::new();
-    for strip in &cell.strips {
-        files.push(image_file(picture_file(name, &strip.name), Content::Picture(cell.extent, display(&strip.color))));
-        let Some(error) = &strip.error else { continue };
-        let stem = format!("{name}-{}", safe_word(&strip.name));
+    for picture in &cell.pictures {
+        files.push(image_file(
+            picture_file(name, &picture.name),
+            Content::Picture(cell.extent, display(&picture.color)),
+        ));
+        let Some(error) = &picture.error else { continue };
+        let stem = format!("{name}-{}", safe_word(&picture.name));
         for (measure, values) in [("rmse", &error.rmse), ("flip", &error.flip.errors)] {
             files.push(image_file(format!("{stem}-{measure}.exr"), Content::Map(cell.extent, values.clone(), measure)));
             files.push(image_file(format!("{stem}-{measure}.png"), Content::heat(cell.extent, values)));

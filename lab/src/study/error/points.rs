@@ -4,7 +4,7 @@ use super::{ErrorRecord, ErrorReference, ImageError};
 use crate::study::columns::{Column, Columns};
 use crate::study::compare::THRESHOLD;
 use crate::study::exhibit::pivot;
-use crate::study::names::roughness;
+use crate::study::names::roughness_name;
 use crate::study::record::Stats;
 use ssct_truth::metrics::pareto::{self, MeasuredPoint};
 use std::collections::BTreeMap;
@@ -59,10 +59,23 @@ fn error(record: &ErrorRecord) -> Option<f64> {
     }
 }
 
-/// The name of a variant, and lists of its values in the cells. The six lists have the times, their noise, the errors,
-/// the place agreements, and the bytes and milliseconds of prepared data. Then comes a list for each of
-/// [`more_columns`].
-type VariantValues = (String, [Vec<f64>; 6], Vec<Vec<f64>>);
+/// The values of a variant, each list with a value for each cell that has one.
+#[derive(Default)]
+struct VariantValues {
+    /// Name of the variant.
+    name: String,
+    times_ms: Vec<f64>,
+    /// Noise of each time, as a share.
+    noises: Vec<f64>,
+    errors: Vec<f64>,
+    place_agreements: Vec<f64>,
+    /// Bytes on the device of prepared data.
+    prepared_bytes: Vec<f64>,
+    /// Milliseconds in which the data was prepared.
+    prepared_ms: Vec<f64>,
+    /// A list for each of [`more_columns`].
+    more: Vec<Vec<f64>>,
+}
 
 /// Returns half the width of the interval of a record's time, as a share of the time; `None` if the record has no
 /// interval.
@@ -89,33 +102,34 @@ pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
     for r in records.iter().filter(|r| r.against == against) {
         let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
         let name = r.head.variant();
-        let known = all.iter().position(|(n, ..)| *n == name).unwrap_or(all.len());
-        if known == all.len() {
-            all.push((name, Default::default(), vec![Vec::new(); columns.len()]));
-        }
-        let [times, noises, errors, places, bytes, prepared_ms] = &mut all[known].1;
-        times.push(time);
-        noises.extend(noise_of(r));
-        errors.push(error);
-        places.extend(r.place_agreement);
-        bytes.extend(r.prepared.as_ref().map(|p| p.device_bytes as f64));
-        prepared_ms.extend(r.prepared.as_ref().map(|p| p.time_ms));
-        for (values, column) in all[known].2.iter_mut().zip(&columns) {
-            values.extend(column.number(&r.image));
+        let index = all.iter().position(|known| known.name == name).unwrap_or_else(|| {
+            all.push(VariantValues { name, more: vec![Vec::new(); columns.len()], ..VariantValues::default() });
+            all.len() - 1
+        });
+        let values = &mut all[index];
+        values.times_ms.push(time);
+        values.noises.extend(noise_of(r));
+        values.errors.push(error);
+        values.place_agreements.extend(r.place_agreement);
+        values.prepared_bytes.extend(r.prepared.as_ref().map(|p| p.device_bytes as f64));
+        values.prepared_ms.extend(r.prepared.as_ref().map(|p| p.time_ms));
+        for (list, column) in values.more.iter_mut().zip(&columns) {
+            list.extend(column.number(&r.image));
         }
     }
+    let median = |values: &[f64]| Stats::from_samples(values).median_ms;
     let mut points: Vec<Point> = all
         .into_iter()
-        .map(|(name, [times, noises, errors, places, bytes, prepared_ms], more)| Point {
-            name,
-            time_ms: Stats::from_samples(&times).median_ms,
-            noise: noise(&noises, times.len()),
-            error: mean(&errors).unwrap_or(f64::NAN),
-            place_agreement: mean(&places),
-            prepared: (!bytes.is_empty())
-                .then(|| (Stats::from_samples(&bytes).median_ms, Stats::from_samples(&prepared_ms).median_ms)),
-            more: more.iter().map(|values| mean(values)).collect(),
+        .map(|values| Point {
+            time_ms: median(&values.times_ms),
+            noise: noise(&values.noises, values.times_ms.len()),
+            error: mean(&values.errors).unwrap_or(f64::NAN),
+            place_agreement: mean(&values.place_agreements),
+            prepared: (!values.prepared_bytes.is_empty())
+                .then(|| (median(&values.prepared_bytes), median(&values.prepared_ms))),
+            more: values.more.iter().map(|list| mean(list)).collect(),
             on_front: false,
+            name: values.name,
         })
         .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
         .collect();
@@ -139,15 +153,15 @@ pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
         first_variants.entry(r.head.method_and_fallback()).or_insert_with(|| r.head.variant());
     }
     let is_first = |r: &&ErrorRecord| first_variants.get(&r.head.method_and_fallback()) == Some(&r.head.variant());
-    let shown = || records.iter().filter(is_first);
-    let column = |r: &ErrorRecord| format!("r {}", roughness(r.head.roughness));
+    let first_records = || records.iter().filter(is_first);
+    let column = |r: &ErrorRecord| format!("r {}", roughness_name(r.head.roughness));
     let label = |r: &ErrorRecord| format!("{}, {}", r.head.method_and_fallback(), r.against.name());
-    let errors = shown().filter_map(|r| Some((label(r), column(r), r.image.rmse?)));
-    let floors = shown().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
+    let errors = first_records().filter_map(|r| Some((label(r), column(r), r.image.rmse?)));
+    let floors = first_records().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
     // Each value has the label of its line, the header of its column, and a number.
     let all: Vec<(String, String, f64)> = errors.chain(floors).collect();
-    pivot("what, against", &all, [&|(label, ..)| label.clone(), &|(_, column, _)| column.clone()], |here| {
-        let values: Vec<f64> = here.iter().map(|(.., value)| *value).collect();
+    pivot("what, against", &all, [&|(label, ..)| label.clone(), &|(_, column, _)| column.clone()], |of_cell| {
+        let values: Vec<f64> = of_cell.iter().map(|(.., value)| *value).collect();
         Some(format!("{:.4}", Stats::from_samples(&values).median_ms))
     })
 }

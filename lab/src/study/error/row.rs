@@ -31,7 +31,7 @@ pub enum ErrorReference {
 impl ErrorReference {
     /// Returns the name in tables and files.
     pub fn name(self) -> &'static str {
-        REFERENCES.iter().find(|r| r.0 == self).map_or("", |r| r.1)
+        REFERENCES.iter().find(|(reference, ..)| *reference == self).map_or("", |(_, name, _)| name)
     }
 }
 
@@ -109,24 +109,25 @@ impl Row for ErrorRecord {
 
     /// Makes a table of points for each reference that the rows have; the table marks the points on the Pareto front.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
-        let cells = rows.iter().map(cell_of).collect::<BTreeSet<_>>().len();
+        let cells = rows.iter().map(name_of_cell).collect::<BTreeSet<_>>().len();
         let about = format!("{}. {ABOUT}", if cells == 1 { "One cell".to_owned() } else { format!("{cells} cells") });
         let table = |(against, id, axis): (ErrorReference, &'static str, &str)| {
             let points = points::points(rows, against);
             let title = format!("{axis}, mean over the cells; * is on the Pareto front");
-            let cells = point_cells(&points, floor(rows, against));
+            let floor = points::floor(rows).filter(|_| against == ErrorReference::World);
+            let cells = point_cells(&points, floor);
             (!points.is_empty()).then(|| Table::new(id, &title, &about, cells))
         };
         REFERENCES.into_iter().filter_map(table).collect()
     }
 
-    /// Makes the table of the parts of the error, from one record of each figure.
+    /// Makes the table of the parts of the error. A measurement that several devices made counts once.
     fn common_tables(rows: &[Self]) -> Vec<Table> {
         if rows.is_empty() { Vec::new() } else { vec![source_table(&one_of_each(rows))] }
     }
 
-    /// Makes a chart for each reference that the rows have, and a chart of prepared bytes if they differ between
-    /// variants.
+    /// Makes a chart for each reference that the rows have, and one of error over the bytes of the data that variants
+    /// prepare before the first frame (`bytes_against_error`).
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let chart = |(against, name, axis): (ErrorReference, &str, &str)| {
             let points = points::points(rows, against);
@@ -137,8 +138,8 @@ impl Row for ErrorRecord {
             let title = format!("Run time against {axis}");
             (!points.is_empty()).then(|| Chart::new(format!("error-{name}"), title, drawing))
         };
-        let bytes = bytes_against_error(&points::points(rows, ErrorReference::World));
-        REFERENCES.into_iter().filter_map(chart).chain(bytes).collect()
+        let bytes_chart = bytes_against_error(&points::points(rows, ErrorReference::World));
+        REFERENCES.into_iter().filter_map(chart).chain(bytes_chart).collect()
     }
 }
 
@@ -161,8 +162,7 @@ fn bytes_against_error(points: &[Point]) -> Option<Chart> {
     Some(Chart::new("error-world-bytes", format!("Prepared bytes against {WORLD_AXIS}"), drawing))
 }
 
-/// Returns the name of a record's cell.
-fn cell_of(r: &ErrorRecord) -> String {
+fn name_of_cell(r: &ErrorRecord) -> String {
     cell_name(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
 }
 
@@ -172,17 +172,11 @@ fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
     let is_first = |r: &&ErrorRecord| {
         let set = serde_json::to_string(&r.head.setup).unwrap_or_default();
-        seen.insert(format!("{} {} {:?} {:?} {set}", cell_of(r), r.head.method, r.head.preset, r.against))
+        seen.insert(format!("{} {} {:?} {:?} {set}", name_of_cell(r), r.head.method, r.head.preset, r.against))
     };
     records.iter().filter(is_first).cloned().collect()
 }
 
-/// Returns the mean floor of the screen for errors against the world, and `None` for errors against another reference.
-fn floor(records: &[ErrorRecord], against: ErrorReference) -> Option<f64> {
-    points::floor(records).filter(|_| against == ErrorReference::World)
-}
-
-/// Number of bytes in a MiB.
 const MIB: f64 = (1 << 20) as f64;
 
 /// Makes the cells of a table with a row for each point, and a last row for the floor, if given. Place agreement,
@@ -190,8 +184,8 @@ const MIB: f64 = (1 << 20) as f64;
 fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_places = points.iter().any(|p| p.place_agreement.is_some());
     let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
-    // Makes a row of seven cells, without those that no point has, and of the further figures `more`.
-    let row = |[name, time, error, front, place, bytes, prepared_ms]: [String; 7], more: Vec<String>| {
+    // Makes a row of seven cells, without those that no point has, and of the cells `more` of further figures.
+    let make_row = |[name, time, error, front, place, bytes, prepared_ms]: [String; 7], more: Vec<String>| {
         let first = [name, time, error, front].into_iter().chain(has_places.then_some(place));
         first.chain([bytes, prepared_ms].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
     };
@@ -201,23 +195,23 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
         .enumerate()
         .filter(|(i, _)| points.iter().any(|p| p.more.get(*i).is_some_and(Option::is_some)))
         .collect();
-    let point = |p: &Point| {
+    let point_row = |p: &Point| {
         let front = if p.on_front { "*" } else { "" };
         let place = p.place_agreement.map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share));
         let (bytes, prepared_ms) = p.prepared.unwrap_or_default();
         let [time, error] = [format!("{:.3}", p.time_ms), format!("{:.4}", p.error)];
         let [mib, prepared_ms] = [format!("{:.1}", bytes / MIB), format!("{prepared_ms:.0}")];
         let more = columns.iter().map(|(i, column)| column.shown_number(p.more[*i])).collect();
-        row([p.name.clone(), time, error, front.to_owned(), place, mib, prepared_ms], more)
+        make_row([p.name.clone(), time, error, front.to_owned(), place, mib, prepared_ms], more)
     };
-    let names = ["variant", "median ms", "mean error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
+    let headers = ["variant", "median ms", "mean error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
     let dash = || "-".to_owned();
-    let dashes = || columns.iter().map(|_| dash()).collect();
     let floor_row = floor.map(|error| {
-        row([FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()], dashes())
+        let cells = [FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()];
+        make_row(cells, vec![dash(); columns.len()])
     });
-    let header = row(names.map(str::to_owned), columns.iter().map(|(_, column)| column.title.clone()).collect());
-    std::iter::once(header).chain(points.iter().map(point)).chain(floor_row).collect()
+    let header = make_row(headers.map(str::to_owned), columns.iter().map(|(_, column)| column.title.clone()).collect());
+    std::iter::once(header).chain(points.iter().map(point_row)).chain(floor_row).collect()
 }
 
 /// Makes the table of the parts of the error, with its description.

@@ -31,8 +31,16 @@ struct StudiedScene {
     variants: Vec<Variant>,
 }
 
-/// A cell: the indices of its scene and of the view in the scene, the size, and the factors.
-pub type ErrorCell = (usize, usize, [u32; 2], Globals);
+/// A cell of the error study.
+#[derive(Clone, Copy)]
+pub struct ErrorCell {
+    /// Index of the scene in the study.
+    scene: usize,
+    /// Index of the view among the views of the scene.
+    view: usize,
+    extent: [u32; 2],
+    globals: Globals,
+}
 
 impl ErrorStudy {
     /// Makes the study of some scenes, each with its views, and of some variants. `samples` is the number of timed
@@ -46,7 +54,7 @@ impl ErrorStudy {
         (samples, rays): (usize, u32),
     ) -> Self {
         let studied = |(scene, views): (Scene, Vec<View>)| {
-            let variants = variants.iter().filter(|v| v.method.lacks(&scene).is_empty()).cloned().collect();
+            let variants = variants.iter().filter(|v| v.method.unmet_needs(&scene).is_empty()).cloned().collect();
             StudiedScene { digest: scene_digest(&scene), scene, views, variants }
         };
         let scenes = scenes.into_iter().map(studied).filter(|studied| !studied.variants.is_empty()).collect();
@@ -54,7 +62,7 @@ impl ErrorStudy {
     }
 
     /// Returns the inputs of a cell's measurement.
-    fn spec(&self, &(scene, view, extent, globals): &ErrorCell) -> ErrorSpec<'_> {
+    fn spec(&self, &ErrorCell { scene, view, extent, globals }: &ErrorCell) -> ErrorSpec<'_> {
         let StudiedScene { scene, views, digest, variants } = &self.scenes[scene];
         ErrorSpec {
             scene,
@@ -70,7 +78,7 @@ impl ErrorStudy {
     }
 
     /// Returns the name of a cell, with which the names of its files begin.
-    fn name(&self, &(scene, view, extent, globals): &ErrorCell) -> String {
+    fn name(&self, &ErrorCell { scene, view, extent, globals }: &ErrorCell) -> String {
         let StudiedScene { scene, views, .. } = &self.scenes[scene];
         cell_name(&scene.name, &views[view].name, extent, globals.roughness)
     }
@@ -89,8 +97,8 @@ impl Study for ErrorStudy {
         let mut cells = Vec::new();
         for (scene, studied) in self.scenes.iter().enumerate() {
             for view in 0..studied.views.len() {
-                for &size in &self.sizes {
-                    cells.extend(self.globals.iter().map(|globals| (scene, view, size, *globals)));
+                for &extent in &self.sizes {
+                    cells.extend(self.globals.iter().map(|&globals| ErrorCell { scene, view, extent, globals }));
                 }
             }
         }
@@ -105,8 +113,7 @@ impl Study for ErrorStudy {
     fn measure(&mut self, cell: &ErrorCell, bench: &mut Bench) -> Result<Vec<ErrorRecord>> {
         let mut last_loaded = std::mem::take(&mut self.loaded_scene);
         let spec = self.spec(cell);
-        let (scene_index, ..) = *cell;
-        let loaded_scene = last_loaded.get_or_make(scene_index, || LoadedScene::new(bench.gpu, spec.scene))?;
+        let loaded_scene = last_loaded.get_or_make(cell.scene, || LoadedScene::new(bench.gpu, spec.scene))?;
         let go_on = bench.go_on;
         let measured = measure(bench.gpu, &spec, loaded_scene, bench.journal, &mut || go_on())?;
         self.loaded_scene = last_loaded;

@@ -3,6 +3,7 @@
 
 use super::{ErrorSpec, display};
 use crate::error::Result;
+use crate::study::ties::are_mirrors;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use ssct_ground::math::OracleVersion;
@@ -77,8 +78,7 @@ pub(super) fn truth(
     bounces: u32,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
-    let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
-    let mirrors = mask.iter().zip(&data.roughness).all(|(reflects, roughness)| !reflects || *roughness <= 0.0);
+    let (mask, mirrors) = (data.reflecting(), are_mirrors(&data));
     let screen_truth = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
         let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());

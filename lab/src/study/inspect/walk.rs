@@ -10,7 +10,7 @@ pub struct Walk {
     /// Every visited cell, in order.
     pub cells: Vec<VisitedCell>,
     /// The ray's positions in pixels: first where the walk begins, and then after each step.
-    pub way: Vec<Vec2>,
+    pub positions: Vec<Vec2>,
     /// How the walk ended.
     pub end: WalkEnd,
     /// The convention of the cells' depths.
@@ -51,7 +51,7 @@ pub enum WalkEnd {
 impl Walk {
     /// Returns the last position, in pixels.
     pub fn last(&self) -> Vec2 {
-        self.way.last().copied().unwrap_or_default()
+        self.positions.last().copied().unwrap_or_default()
     }
 
     /// Makes the walk from the trace of the thesis's Hi-Z ray tracing, in an image of `size` pixels.
@@ -68,7 +68,7 @@ impl Walk {
         let positions = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|step| step.ray));
         Self {
             cells: cells.collect(),
-            way: positions.map(|position| position.xy() * size).collect(),
+            positions: positions.map(|position| position.xy() * size).collect(),
             end: match trace.end {
                 hi_z_ray_trace::End::Hit => WalkEnd::Hit,
                 hi_z_ray_trace::End::LeftScreen => WalkEnd::Left,
@@ -81,14 +81,14 @@ impl Walk {
     /// Walks the mirror ray of the pixel (x, y) by the twin of `unified`; `None` if the pixel has no ray.
     pub(super) fn of_unified(traversal: &Traversal, x: u32, y: u32) -> Option<Self> {
         let (ray, _) = traversal.mirror_ray(x, y)?;
-        let (mut cells, mut way) = (Vec::new(), vec![ray.point_at(0.0).xy()]);
+        let (mut cells, mut positions) = (Vec::new(), vec![ray.point_at(0.0).xy()]);
         let hit = traversal.walk(&ray, |visit| {
             let side = (1 << visit.level) as f32;
             let place = visit.cell.as_vec2();
             // A ray that meets a cell stays where it entered the cell, since the next visited cell lies within;
             // otherwise it moves to where it leaves the cell.
             let position = ray.point_at(visit.span[usize::from(!visit.meets)]);
-            way.push(position.xy());
+            positions.push(position.xy());
             cells.push(VisitedCell {
                 level: visit.level,
                 place,
@@ -105,8 +105,8 @@ impl Walk {
             HitCode::Unfinished => WalkEnd::Exhausted,
         };
         if end == WalkEnd::Hit {
-            way.push(hit.position);
+            positions.push(hit.position);
         }
-        Some(Self { cells, way, end, depth: "reversed depth, near is 1" })
+        Some(Self { cells, positions, end, depth: "reversed depth, near is 1" })
     }
 }

@@ -19,20 +19,20 @@ pub struct RunChange {
 /// Compares each run that has an earlier run to compare with, in the order of the library, which is that of the dates.
 /// `threshold` is the change of a time that counts, as a share, at least 0 and below 1.
 pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
-    let mut found = Vec::new();
+    let mut changes = Vec::new();
     for (after, run) in library.iter().enumerate() {
         let Some(later_run) = &run.samples else { continue };
         let latest_first = library[..after].iter().enumerate().rev();
         let with_samples = latest_first.filter_map(|(before, run)| Some((before, run.samples.as_ref()?)));
         let mut on_same_device =
             with_samples.filter(|(_, earlier)| earlier.device.is_some() && earlier.device == later_run.device);
-        found.extend(on_same_device.find_map(|(before, earlier_run)| {
+        changes.extend(on_same_device.find_map(|(before, earlier_run)| {
             let mut totals = compare::times(earlier_run, later_run, threshold);
             totals.retain(|record| record.only_in.is_none());
             (!totals.is_empty()).then_some(RunChange { before, after, totals })
         }));
     }
-    found
+    changes
 }
 
 /// Reduces each frame of a run to one sample: the sum of the counted passes, under the name of the total.

@@ -3,7 +3,7 @@
 
 use super::{Measurement, Quantity, Setting};
 use crate::study::error::{EXACT_HITS, SCREEN_REFERENCE};
-use crate::study::record::{Head, Provenance, RecordedSetup, cell};
+use crate::study::record::{Head, Provenance, RecordedSetup, setting_text};
 use serde::Deserialize;
 use serde_json::Value as Json;
 use ssct::gpu::DeviceInfo;
@@ -14,10 +14,10 @@ use ssct_ground::parameter::{Choices, Parameters, Preset};
 pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
 
 /// Names of settings that older records have at their top level, and newer records in their setup.
-const ONCE_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
+const FORMERLY_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
 
 /// Names of settings that belong to the place of a measurement and not to its method.
-const OF_THE_PLACE: [&str; 5] = ["fov_degrees", "near_m", "far_m", "reflectivity", "normal_deviation"];
+const PLACE_SETTINGS: [&str; 5] = ["fov_degrees", "near_m", "far_m", "reflectivity", "normal_deviation"];
 
 /// The parts of a record that the library uses.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ pub fn record(json: &Json) -> Result<ReadRecord, String> {
 /// negative or not finite are left out.
 fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
     let number = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
-    let found = match (kind, json["against"].as_str()) {
+    let figures = match (kind, json["against"].as_str()) {
         ("time", _) => vec![(Quantity::Time, number("/total/median_ms"))],
         // Every record of a variant in a cell repeats the variant's time; a trend has one value for each view.
         ("error", Some("oracle")) => {
@@ -105,9 +105,9 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
         ("motion", _) => vec![(Quantity::MotionDeviation, number("/deviation"))],
         _ => Vec::new(),
     };
-    let sound =
+    let if_sound =
         |(quantity, value): (Quantity, Option<f64>)| Some((quantity, value.filter(|v| v.is_finite() && *v >= 0.0)?));
-    found.into_iter().filter_map(sound).collect()
+    figures.into_iter().filter_map(if_sound).collect()
 }
 
 /// Reads the first fields of a record. The error names the field that is missing, as the end of a sentence that begins
@@ -135,7 +135,7 @@ fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
 /// Collects everything that was set for a measurement from the parts of a record in which versions of the program have
 /// put it.
 fn setup(json: &Json) -> RecordedSetup {
-    let top = ONCE_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
+    let top = FORMERLY_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
     let mut all: RecordedSetup = top.collect();
     for part in ["params", "setup"] {
         let values = json[part].as_object().into_iter().flatten();
@@ -147,13 +147,15 @@ fn setup(json: &Json) -> RecordedSetup {
 /// Makes the setting of a record: scene, size, roughness, and the other settings that belong to the place of the
 /// measurement.
 fn setting(head: &Head) -> Setting {
-    let given = OF_THE_PLACE.iter().filter_map(|name| Some((name, head.setup.get(*name)?)));
-    let values = given.filter(|(_, value)| !value.is_null()).map(|(name, value)| format!("{name} {}", cell(value)));
+    let place_settings = PLACE_SETTINGS.iter().filter_map(|name| Some((name, head.setup.get(*name)?)));
+    let values = place_settings
+        .filter(|(_, value)| !value.is_null())
+        .map(|(name, value)| format!("{name} {}", setting_text(value)));
     Setting {
         scene: head.scene.clone(),
         size: [head.width, head.height],
         roughness: head.roughness.map_or_else(|| "own".to_owned(), |r| r.to_string()),
-        rest: [format!("definitions {}", head.program.definitions)].into_iter().chain(values).collect(),
+        other_settings: [format!("definitions {}", head.program.definitions)].into_iter().chain(values).collect(),
     }
 }
 
@@ -164,9 +166,9 @@ fn method(head: &Head) -> String {
         return head.variant();
     }
     let of_effect: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
-    let of_place = ["preset", "width", "height", "roughness"].iter().chain(&OF_THE_PLACE);
+    let of_place = ["preset", "width", "height", "roughness"].iter().chain(&PLACE_SETTINGS);
     let not_of_method: Vec<&str> = of_place.copied().chain(of_effect).collect();
     let of_method =
         head.setup.iter().filter(|(name, value)| !not_of_method.contains(&name.as_str()) && !value.is_null());
-    of_method.fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", cell(value)))
+    of_method.fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", setting_text(value)))
 }

@@ -9,7 +9,6 @@ use serde_json::{Value as Json, json};
 use ssct_truth::metrics::bootstrap::Verdict;
 use std::sync::Arc;
 
-/// Makes a device, as records have it.
 fn device(name: &str) -> Json {
     json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
 }
@@ -23,7 +22,6 @@ fn time_record(device_name: &str, view: &str, method: &str, ms: f64) -> Json {
     })
 }
 
-/// Makes a run with some records.
 fn run(name: &str, records: &[Json]) -> LibraryRun {
     let mut run = LibraryRun {
         name: name.into(),
@@ -51,17 +49,16 @@ fn run(name: &str, records: &[Json]) -> LibraryRun {
 }
 
 /// The quantity of a trend, the indices of its runs, and its lines: the method and its value in each run.
-type Shown = (Quantity, Vec<usize>, Vec<(String, Vec<Option<f64>>)>);
+type TrendValues = (Quantity, Vec<usize>, Vec<(String, Vec<Option<f64>>)>);
 
 /// Finds the trends of a library, with times divided by those of `ssct`.
-fn shown(library: &[LibraryRun]) -> Vec<Shown> {
+fn trend_values(library: &[LibraryRun]) -> Vec<TrendValues> {
     let lines = |t: &trends::Trend| t.lines.iter().map(|l| (l.method.clone(), l.values.clone())).collect();
     trends(library, "ssct").iter().map(|t| (t.quantity, t.runs.clone(), lines(t))).collect()
 }
 
-/// Tests that a time is divided by that of the base method in its run, and that a line has medians over the views.
 #[test]
-fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
+fn a_time_is_divided_by_that_of_the_base_method_in_its_run_and_lines_have_medians_over_views() {
     let library_run = |factor: f64, ratios_of_unified: [f64; 3]| {
         let views = ["a", "b", "c"].into_iter().zip(ratios_of_unified);
         let records = views.flat_map(|(view, ratio)| {
@@ -73,39 +70,37 @@ fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
     // The second machine is ten times as slow, which must not change any ratio.
     let library = [library_run(1.0, [0.5, 0.75, 2.0]), library_run(10.0, [0.5, 0.25, 0.5])];
     let expected = vec![("unified".to_owned(), vec![Some(0.75), Some(0.5)])];
-    assert_eq!(shown(&library), [(Quantity::Time, vec![0, 1], expected)]);
+    assert_eq!(trend_values(&library), [(Quantity::Time, vec![0, 1], expected)]);
 }
 
-/// Tests that runs with different devices, views, settings or definitions share no line.
 #[test]
-fn no_line_joins_devices_views_or_settings() {
+fn runs_with_different_devices_views_settings_or_definitions_share_no_line() {
     let pair = |device: &str, view: &str| {
         run("r", &[time_record(device, view, "ssct", 10.0), time_record(device, view, "unified", 5.0)])
     };
-    assert_eq!(shown(&[pair("one", "a"), pair("two", "a")]), [], "devices");
-    assert_eq!(shown(&[pair("one", "a"), pair("one", "b")]), [], "views");
+    assert_eq!(trend_values(&[pair("one", "a"), pair("two", "a")]), [], "devices");
+    assert_eq!(trend_values(&[pair("one", "a"), pair("one", "b")]), [], "views");
     // In a run with two devices, times are divided by the base method's time on the same device.
     let merged = run("r", &[time_record("one", "a", "ssct", 10.0), time_record("two", "a", "unified", 5.0)]);
-    assert_eq!(shown(&[merged.clone(), merged]), [], "a ratio across devices");
+    assert_eq!(trend_values(&[merged.clone(), merged]), [], "a ratio across devices");
     let mut other = time_record("one", "a", "unified", 5.0);
     other["roughness"] = 0.3.into();
     let other = run("r", &[other, time_record("one", "a", "ssct", 10.0)]);
-    assert_eq!(shown(&[pair("one", "a"), other]), [], "roughness");
+    assert_eq!(trend_values(&[pair("one", "a"), other]), [], "roughness");
     let mut older = time_record("one", "a", "unified", 5.0);
     older["definitions"] = 1.into();
     let older = run("r", &[older, time_record("one", "a", "ssct", 10.0)]);
-    assert_eq!(shown(&[pair("one", "a"), older]), [], "definitions");
+    assert_eq!(trend_values(&[pair("one", "a"), older]), [], "definitions");
     // Another value of a parameter makes another method.
     let mut varied = time_record("one", "a", "unified", 5.0);
     varied["setup"]["resolution_scale"] = 0.5.into();
     let varied = run("r", &[varied, time_record("one", "a", "ssct", 10.0)]);
-    assert_eq!(shown(&[pair("one", "a"), varied]), [], "parameters");
-    assert_eq!(shown(&[pair("one", "a"), pair("one", "a")]).len(), 1, "and the same is joined");
+    assert_eq!(trend_values(&[pair("one", "a"), varied]), [], "parameters");
+    assert_eq!(trend_values(&[pair("one", "a"), pair("one", "a")]).len(), 1, "and the same is joined");
 }
 
-/// Tests that errors are not divided by those of a base method, and that a run without an error leaves a gap.
 #[test]
-fn errors_are_followed_as_they_are_and_gaps_stay() {
+fn errors_are_not_divided_by_a_base_and_a_run_without_an_error_leaves_a_gap() {
     let error = |method: &str, rmse: Option<f64>| {
         let mut record = time_record("gpu", "a", method, 1.0);
         let fields = [("kind", json!("error")), ("against", json!("world")), ("rmse", json!(rmse))];
@@ -121,12 +116,11 @@ fn errors_are_followed_as_they_are_and_gaps_stay() {
         ("ssct".to_owned(), vec![Some(0.04), Some(0.05), None]),
         ("unified".to_owned(), vec![Some(0.02), None, Some(0.01)]),
     ];
-    assert_eq!(shown(&library), [(Quantity::WorldRmse, vec![0, 1, 2], lines)]);
+    assert_eq!(trend_values(&library), [(Quantity::WorldRmse, vec![0, 1, 2], lines)]);
 }
 
-/// Tests that a record of the first version is read, and the error of a record that lacks a field.
 #[test]
-fn an_older_record_is_read_as_far_as_it_goes() {
+fn records_of_the_first_version_are_read_and_a_missing_field_is_named() {
     // The first version had parameters beside the setup, and some of them at the top.
     let old = json!({
         "kind": "error", "definitions": 1, "version": "0.1.0", "commit": "1a673ff7e6", "device": device("gpu"),
@@ -139,7 +133,7 @@ fn an_older_record_is_read_as_far_as_it_goes() {
     let figures: Vec<_> = read.measurements.iter().map(|m| (m.quantity, m.value)).collect();
     assert_eq!(figures, [(Quantity::WrongHits, 0.25), (Quantity::ErrorStudyTime, 12.5)]);
     let first = &read.measurements[0];
-    assert_eq!(first.setting.rest, ["definitions 1", "normal_deviation 0.25"]);
+    assert_eq!(first.setting.other_settings, ["definitions 1", "normal_deviation 0.25"]);
     for word in ["ssct", "author", "cone-samples 3", "resolution-scale 0.5"] {
         assert!(first.method.contains(word), "{word}: {}", first.method);
     }
@@ -184,10 +178,8 @@ fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
     Run { name: "r".into(), device, samples: (0..9).flat_map(frame).collect() }
 }
 
-/// Tests that each run is compared with the last run on its device, and that the result equals a comparison of all
-/// passes.
 #[test]
-fn a_change_is_judged_as_compare_judges_the_total() {
+fn each_run_is_compared_with_the_last_on_its_device_as_compare_judges_the_total() {
     let gpu = |name: &str| record(&time_record(name, "a", "ssct", 1.0)).expect("read").device;
     let with = |device: Option<DeviceInfo>, factor: f64| LibraryRun {
         samples: Some(totals_only(frames(device, factor))),

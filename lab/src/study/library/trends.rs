@@ -3,6 +3,7 @@
 //! same views in the same setting.
 
 use super::{LibraryRun, Quantity, Setting};
+use crate::study::exhibit::distinct;
 use crate::study::record::Stats;
 use ssct::gpu::DeviceInfo;
 use std::collections::{BTreeMap, BTreeSet};
@@ -34,31 +35,31 @@ pub struct TrendLine {
 }
 
 /// The values of one quantity of a method in one run, by the name of the view.
-type Views = BTreeMap<String, f64>;
+type ViewValues = BTreeMap<String, f64>;
 
 /// Key of a trend: the index of its device, the setting, the views and the quantity.
-type Place = (usize, Setting, Vec<String>, Quantity);
+type TrendKey = (usize, Setting, Vec<String>, Quantity);
 
 /// The values of a trend: for each method, by its name, the value in each run, by the index of the run.
-type Methods = BTreeMap<String, BTreeMap<usize, f64>>;
+type MethodValues = BTreeMap<String, BTreeMap<usize, f64>>;
 
 /// Finds all trends of a library. Times are divided by those of the method with the name `base`.
 pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     let devices = devices(library);
-    let mut groups: BTreeMap<Place, Methods> = BTreeMap::new();
+    let mut groups: BTreeMap<TrendKey, MethodValues> = BTreeMap::new();
     for (index, run) in library.iter().enumerate() {
-        for ((device, setting, quantity), methods) in cells(run) {
+        for ((device, setting, quantity), methods) in grouped_measurements(run) {
             let Some(device) = devices.iter().position(|d| **d == run.devices[device]) else { continue };
             let base_views = methods.get(base).cloned();
             for (method, views) in methods {
-                let Some(views) = relative(quantity, &views, base_views.as_ref()) else { continue };
+                let Some(views) = relative_to_base(quantity, &views, base_views.as_ref()) else { continue };
                 let median = Stats::from_samples(&views.values().copied().collect::<Vec<_>>()).median_ms;
                 let key = (device, setting.clone(), views.into_keys().collect(), quantity);
                 groups.entry(key).or_default().entry(method).or_default().insert(index, median);
             }
         }
     }
-    let trend = |((device, setting, views, quantity), mut methods): (Place, Methods)| {
+    let trend = |((device, setting, views, quantity), mut methods): (TrendKey, MethodValues)| {
         // A value in a single run makes no line. The base method's time divided by itself is always 1, and tells
         // nothing.
         methods.retain(|method, values| values.len() > 1 && !(Quantity::is_time(quantity) && method == base));
@@ -83,29 +84,23 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
 
 /// Returns the devices of a library, each once, in the order in which they first appear.
 pub fn devices(library: &[LibraryRun]) -> Vec<&DeviceInfo> {
-    let mut devices: Vec<&DeviceInfo> = Vec::new();
-    for device in library.iter().flat_map(|run| &run.devices) {
-        if !devices.contains(&device) {
-            devices.push(device);
-        }
-    }
-    devices
+    distinct(library.iter().flat_map(|run| &run.devices))
 }
 
 /// Sorts the measurements of a run by the index of the device, setting and quantity, and below these by method and by
 /// view.
-fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<String, Views>> {
-    let mut cells: BTreeMap<_, BTreeMap<String, Views>> = BTreeMap::new();
+fn grouped_measurements(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<String, ViewValues>> {
+    let mut groups: BTreeMap<_, BTreeMap<String, ViewValues>> = BTreeMap::new();
     for m in &run.measurements {
-        let methods = cells.entry((m.device, m.setting.clone(), m.quantity)).or_default();
+        let methods = groups.entry((m.device, m.setting.clone(), m.quantity)).or_default();
         methods.entry(m.method.clone()).or_default().insert(m.view.clone(), m.value);
     }
-    cells
+    groups
 }
 
 /// Returns the values `views` of a method unchanged if they are errors. Times are divided by the values `base` of the
 /// base method, in the views that both methods have; `None` if no view is left.
-fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
+fn relative_to_base(quantity: Quantity, views: &ViewValues, base: Option<&ViewValues>) -> Option<ViewValues> {
     if !quantity.is_time() {
         return Some(views.clone());
     }
@@ -113,6 +108,6 @@ fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<V
         let base_value = base?.get(view).filter(|value| **value > 0.0)?;
         Some((view.clone(), value / base_value))
     };
-    let ratios: Views = views.iter().filter_map(ratio).collect();
+    let ratios: ViewValues = views.iter().filter_map(ratio).collect();
     (!ratios.is_empty()).then_some(ratios)
 }

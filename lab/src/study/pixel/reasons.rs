@@ -11,19 +11,19 @@ use ssct_truth::reference::pixel::{EstimatedColor, UnseenReason};
 /// `traces_lobes` that the method's ray of a rough pixel is not the mirror ray.
 pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes: bool) -> Vec<String> {
     if !report.surface.reflects {
-        return vec![not_reflecting(report, is_sky_surface)];
+        return vec![not_reflecting_sentence(report, is_sky_surface)];
     }
     let is_rough = report.surface.roughness > 0.0;
     // The oracle and the world follow the mirror ray, so that another ray cannot be compared with theirs.
     let is_mirror_ray = !(is_rough && traces_lobes);
-    let mut all = vec![verdict(report)];
-    all.extend(report.world_end.as_ref().map(world));
+    let mut all = vec![verdict_sentence(report)];
+    all.extend(report.world_end.as_ref().map(world_sentence));
     if let (Some(method_end), Some(oracle_end), true) = (&report.method_end, &report.oracle_end, is_mirror_ray) {
-        all.extend(method(method_end, oracle_end, report.world_end.as_ref()));
+        all.extend(method_sentence(method_end, oracle_end, report.world_end.as_ref()));
     }
-    // A verdict that blames the fade alone has already said what the fade leaves.
-    all.extend(fade(report).filter(|_| !is_wrong_by_fade_alone(report)));
-    all.extend(if is_rough { None } else { color(report) });
+    // If the fade alone is to blame, the sentence of the verdict has already said how much colour it leaves.
+    all.extend(fade_sentence(report).filter(|_| !is_wrong_by_fade_alone(report)));
+    all.extend(if is_rough { None } else { color_sentence(report) });
     if is_rough {
         let about_method = if traces_lobes { "; the method's own ray is another one of the lobe" } else { "" };
         all.push(format!(
@@ -34,7 +34,7 @@ pub(super) fn sentences(report: &PixelReport, is_sky_surface: bool, traces_lobes
 }
 
 /// Says in a sentence why a pixel does not reflect.
-fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
+fn not_reflecting_sentence(report: &PixelReport, is_sky_surface: bool) -> String {
     let surface = &report.surface;
     match &surface.mesh {
         None => "The pixel does not reflect: it shows the sky.".to_owned(),
@@ -46,7 +46,7 @@ fn not_reflecting(report: &PixelReport, is_sky_surface: bool) -> String {
 }
 
 /// Says in a sentence whether the reflection is right, and by how much it differs from the world reference.
-fn verdict(report: &PixelReport) -> String {
+fn verdict_sentence(report: &PixelReport) -> String {
     let off = report.colors.world.as_ref().map_or(0.0, |world| 100.0 * world.difference);
     let by = format!(
         "it differs from the world's by {off:.0} % of white (more than {:.0} % beyond what chance explains is wrong)",
@@ -72,7 +72,7 @@ fn verdict(report: &PixelReport) -> String {
 
 /// Says in a sentence where the mirror ray ends in the world, and what hides this place from the screen, if it is
 /// hidden.
-fn world(end: &WorldEnd) -> String {
+fn world_sentence(end: &WorldEnd) -> String {
     let Some(mesh) = &end.mesh else { return "In the world the ray meets nothing: it ends in the sky.".to_owned() };
     let length = end.length_m.unwrap_or_default();
     let met = format!("In the world the ray meets {mesh} after {length:.2} m, which");
@@ -113,23 +113,23 @@ pub(super) fn unseen_text(unseen: &UnseenReason, is_before_near: bool) -> &'stat
 
 /// Says in a sentence whether the method's ray ends on the screen where the oracle's ray does, and whether it ends
 /// where the world's does. `None` for a ray that went on beyond the screen.
-fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Option<String> {
+fn method_sentence(method: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Option<String> {
     // The screen's oracle says nothing about rays that went beyond the screen.
-    let went_on = own.place_m.is_some() && !own.hits_screen;
-    let own_pixel = own.pixel.map(|p| p.map(f64::from));
+    if method.place_m.is_some() && !method.hits_screen {
+        return None;
+    }
+    let method_pixel = method.pixel.map(|p| p.map(f64::from));
     let text_of = |[x, y]: [f64; 2]| format!("{x:.1}, {y:.1}");
-    Some(match HitVerdict::compare(own_pixel, oracle.pixel) {
-        _ if went_on => return None,
+    Some(match HitVerdict::compare(method_pixel, oracle.pixel) {
         HitVerdict::Agrees => {
-            // The end in the world, if the screen shows it.
-            let world_pixel = world.filter(|end| end.shown).and_then(|end| end.pixel);
-            let is_as_in_world = match (own_pixel, world_pixel) {
+            let shown_world_pixel = world.filter(|end| end.shown).and_then(|end| end.pixel);
+            let is_as_in_world = match (method_pixel, shown_world_pixel) {
                 (Some(a), Some(b)) => is_same_place(a, b),
                 (a, b) => a.is_none() && b.is_none(),
             };
             let ends =
-                if own_pixel.is_some() { "ends where the oracle's does" } else { "hits nothing, as by the oracle" };
-            let rest = match own_pixel.zip(world_pixel) {
+                if method_pixel.is_some() { "ends where the oracle's does" } else { "hits nothing, as by the oracle" };
+            let rest = match method_pixel.zip(shown_world_pixel) {
                 _ if is_as_in_world => "",
                 Some(_) => {
                     "; the place where it ends in the world is on the screen, too, but the ray meets something before it"
@@ -139,29 +139,30 @@ fn method(own: &MethodEnd, oracle: &OracleEnd, world: Option<&WorldEnd>) -> Opti
             format!("On the screen the method's ray {ends}{rest}.")
         }
         HitVerdict::False => {
-            let pixel = own_pixel.map(text_of).unwrap_or_default();
+            let pixel = method_pixel.map(text_of).unwrap_or_default();
             format!("The method takes the ray for a hit at {pixel}; by the oracle it {}.", oracle.end)
         }
         HitVerdict::Missed => {
             let pixel = oracle.pixel.map(text_of).unwrap_or_default();
-            format!("By the oracle the ray hits {pixel}; the method's ray {}.", own.end)
+            format!("By the oracle the ray hits {pixel}; the method's ray {}.", method.end)
         }
         HitVerdict::Displaced => {
-            let [own, other] = [own_pixel, oracle.pixel].map(|p| p.map(text_of).unwrap_or_default());
-            format!("The method's ray hits {own}, and the oracle's {other}.")
+            let [hit, oracle_hit] = [method_pixel, oracle.pixel].map(|p| p.map(text_of).unwrap_or_default());
+            format!("The method's ray hits {hit}, and the oracle's {oracle_hit}.")
         }
     })
 }
 
 /// Says in a sentence why the colour of a mirror's pixel is wrong, although its ray ends right and the reflection does
 /// not fade; `None` in any other case.
-fn color(report: &PixelReport) -> Option<String> {
-    let (own, oracle, world) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?, report.world_end.as_ref()?);
-    let own_pixel = own.pixel.map(|p| p.map(f64::from));
-    let ends_right = HitVerdict::compare(own_pixel, oracle.pixel) == HitVerdict::Agrees
-        && own_pixel.zip(world.pixel).is_some_and(|(a, b)| world.shown && is_same_place(a, b));
+fn color_sentence(report: &PixelReport) -> Option<String> {
+    let (method, oracle) = (report.method_end.as_ref()?, report.oracle_end.as_ref()?);
+    let world = report.world_end.as_ref()?;
+    let method_pixel = method.pixel.map(|p| p.map(f64::from));
+    let ends_right = HitVerdict::compare(method_pixel, oracle.pixel) == HitVerdict::Agrees
+        && method_pixel.zip(world.pixel).is_some_and(|(a, b)| world.shown && is_same_place(a, b));
     let is_wrong = matches!(report.verdict, PixelVerdict::WrongByScreen | PixelVerdict::WrongByWorld);
-    (is_wrong && ends_right && fade(report).is_none()).then(|| {
+    (is_wrong && ends_right && fade_sentence(report).is_none()).then(|| {
         "The ray ends right, and its colour differs: the references are means over the area of the pixel, and in a window they \
          show the environment along the ray."
             .to_owned()
@@ -170,7 +171,7 @@ fn color(report: &PixelReport) -> Option<String> {
 
 /// Says in a sentence what share of the reflection the fade leaves; `None` if it leaves all, or if the ray does not hit
 /// the screen.
-fn fade(report: &PixelReport) -> Option<String> {
+fn fade_sentence(report: &PixelReport) -> Option<String> {
     let fade = report.colors.fade;
     let is_hit = report.method_end.as_ref().is_none_or(|end| end.hits_screen);
     // A fade is stored as a 16-bit float, so that a fade of 1 may be read as a little less.
@@ -188,11 +189,11 @@ fn is_wrong_by_fade_alone(report: &PixelReport) -> bool {
         standard_error: reference.standard_error.into(),
     });
     let without_fade = PixelVerdict::judge(colors.reflection.into(), &screen, &world);
-    is_wrong && fade(report).is_some() && without_fade == PixelVerdict::Right
+    is_wrong && fade_sentence(report).is_some() && without_fade == PixelVerdict::Right
 }
 
 /// Says in words how a ray ends that hits nothing on the screen. `behind` says that it left behind a surface.
-pub(super) fn miss(reason: MissReason, behind: bool) -> &'static str {
+pub(super) fn miss_text(reason: MissReason, behind: bool) -> &'static str {
     match (reason, behind) {
         (MissReason::NoRay, _) => "has no ray",
         (MissReason::LeftScreen, false) => "leaves the picture",

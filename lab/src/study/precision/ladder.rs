@@ -5,7 +5,7 @@ use super::{PrecisionRecord, Storage};
 use crate::study::columns::{AsDatum, Datum};
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Drawing, NamedPoint, Table, distinct};
-use crate::study::names::{roughness as roughness_name, safe_word};
+use crate::study::names::{roughness_name, safe_word};
 use crate::study::record::Provenance;
 use serde_json::Value;
 use ssct_truth::metrics::pareto;
@@ -71,23 +71,26 @@ impl Row for PrecisionRecord {
     /// Makes charts for each method: of wrong hits, and of the RMSE at each roughness, against the bytes of a pixel.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let mut charts = Vec::new();
-        // Adds a chart if it has more than one point.
-        let mut add = |stem: String, title: String, points: Vec<(Storage, f64)>| {
+        let mut add_if_several_points = |stem: String, title: String, points: Vec<(Storage, f64)>| {
             if points.len() > 1 {
                 let axes = ["bytes per pixel".to_owned(), title.clone()];
-                charts.push(Chart::new(stem, title, Drawing::Points(axes, named(&points))));
+                charts.push(Chart::new(stem, title, Drawing::Points(axes, chart_points(&points))));
             }
         };
         for method in methods(rows) {
             let rungs = rungs(rows, method);
             let wrong_hits = rungs.iter().filter_map(|rung| Some((rung.storage, rung.wrong_hits?)));
             let title = format!("{method}: share of wrong hits against the oracle (roughness 0)");
-            add(format!("precision-hits-{}", safe_word(method)), title, wrong_hits.collect());
+            add_if_several_points(format!("precision-hits-{}", safe_word(method)), title, wrong_hits.collect());
             for (n, roughness) in roughness_values(rows).into_iter().enumerate() {
                 let roughness = roughness_name(roughness);
                 let rmse = rungs.iter().filter_map(|rung| Some((rung.storage, rung.rmse.get(n).copied()?)));
                 let title = format!("{method}: RMSE of the reflection colour, roughness {roughness}");
-                add(format!("precision-rmse-{}-r{roughness}", safe_word(method)), title, rmse.collect());
+                add_if_several_points(
+                    format!("precision-rmse-{}-r{roughness}", safe_word(method)),
+                    title,
+                    rmse.collect(),
+                );
             }
         }
         charts
@@ -101,19 +104,14 @@ const ABOUT: &str = "The G-buffer is traced in f64 through the pixels' centres, 
 
 /// Makes the points of a chart, bytes of a pixel against the error, with the Pareto front marked. Each element of
 /// `points` has the formats of a rung and the error there.
-fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
+fn chart_points(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
     let costs: Vec<_> = points.iter().map(|(storage, error)| (f64::from(storage.bytes_per_pixel()), *error)).collect();
     let on_front = pareto::front(&costs);
-    points
-        .iter()
-        .zip(&costs)
-        .enumerate()
-        .map(|(index, ((storage, _), (bytes, error)))| NamedPoint {
-            name: storage.name(),
-            position: [*bytes, *error],
-            on_front: on_front.contains(&index),
-        })
-        .collect()
+    let point = |index: usize| {
+        let ((storage, error), (bytes, _)) = (points[index], costs[index]);
+        NamedPoint { name: storage.name(), position: [bytes, error], on_front: on_front.contains(&index) }
+    };
+    (0..points.len()).map(point).collect()
 }
 
 /// Returns the names of the methods in some records, each once.

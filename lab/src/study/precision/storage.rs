@@ -24,7 +24,7 @@ pub enum DepthFormat {
 }
 
 impl DepthFormat {
-    /// The name in plots.
+    /// Returns the name in plots.
     pub fn name(self) -> &'static str {
         match self {
             Self::F32Reversed => "f32 reversed",
@@ -34,8 +34,7 @@ impl DepthFormat {
         }
     }
 
-    /// Bytes of the value of a pixel.
-    fn bytes(self) -> u32 {
+    fn bytes_per_pixel(self) -> u32 {
         match self {
             Self::F32Reversed | Self::F32Standard | Self::D24 => 4,
             Self::D16 => 2,
@@ -70,7 +69,7 @@ pub enum NormalFormat {
 }
 
 impl NormalFormat {
-    /// The name in plots.
+    /// Returns the name in plots.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rgba32f => "RGBA32F",
@@ -80,8 +79,7 @@ impl NormalFormat {
         }
     }
 
-    /// Bytes that the normal of one pixel takes.
-    fn bytes(self) -> u32 {
+    fn bytes_per_pixel(self) -> u32 {
         match self {
             Self::Rgba32f => 16,
             Self::Rgba16f => 8,
@@ -120,7 +118,7 @@ pub enum ColorFormat {
 }
 
 impl ColorFormat {
-    /// The name in plots.
+    /// Returns the name in plots.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rgba32f => "RGBA32F",
@@ -131,8 +129,7 @@ impl ColorFormat {
         }
     }
 
-    /// Bytes of the value of a pixel.
-    fn bytes(self) -> u32 {
+    fn bytes_per_pixel(self) -> u32 {
         match self {
             Self::Rgba32f => 16,
             Self::Rgba16f => 8,
@@ -192,11 +189,11 @@ impl Storage {
         Self { depth: DepthFormat::F32Reversed, normal: NormalFormat::Rgba32f, color: ColorFormat::Rgba32f };
 
     /// The formats of [`ssct::passes::gbuffer`].
-    pub const OWN: Self = Self { normal: NormalFormat::Rgba16f, color: ColorFormat::Rgba16f, ..Self::FINEST };
+    pub const SSCT: Self = Self { normal: NormalFormat::Rgba16f, color: ColorFormat::Rgba16f, ..Self::FINEST };
 
     /// Returns the bytes of a pixel, including reflectivity and roughness.
     pub fn bytes_per_pixel(self) -> u32 {
-        self.depth.bytes() + self.normal.bytes() + self.color.bytes() + MATERIAL_BYTES
+        self.depth.bytes_per_pixel() + self.normal.bytes_per_pixel() + self.color.bytes_per_pixel() + MATERIAL_BYTES
     }
 
     /// Names the formats that differ from those of [`Storage::FINEST`].
@@ -221,7 +218,7 @@ impl Storage {
         }
     }
 
-    /// Returns the rungs of the ladder: the finest formats, each coarser format by itself, this project's own formats,
+    /// Returns the rungs of the ladder: the finest formats, each coarser format by itself, those of [`Self::SSCT`],
     /// and several combinations of coarser formats.
     pub fn ladder() -> Vec<Self> {
         use ColorFormat as C;
@@ -232,9 +229,9 @@ impl Storage {
         let normals = [N::Rgba16f, N::Rgb10a2, N::Rgba8].map(|normal| Self { normal, ..finest });
         let colors = [C::Rgba16f, C::R11g11b10f, C::Rgb10a2, C::Rgba8Srgb].map(|color| Self { color, ..finest });
         let together = [
-            Self::OWN,
-            Self { color: C::R11g11b10f, ..Self::OWN },
-            Self { color: C::Rgba8Srgb, ..Self::OWN },
+            Self::SSCT,
+            Self { color: C::R11g11b10f, ..Self::SSCT },
+            Self { color: C::Rgba8Srgb, ..Self::SSCT },
             Self { normal: N::Rgb10a2, color: C::R11g11b10f, ..finest },
             Self { depth: D::D16, normal: N::Rgba8, color: C::Rgba8Srgb },
         ];
@@ -246,9 +243,8 @@ impl Storage {
 mod tests {
     use super::*;
 
-    /// Tests the greatest error of each format of depth against half a step of the format.
     #[test]
-    fn each_depth_is_off_by_what_its_format_says() {
+    fn each_depth_format_errs_by_at_most_half_its_step() {
         // The reversed depth of a view depth in metres, with the near plane at 0.1 m and the far plane at 1000 m.
         let reversed = |z: f64| 0.1 * (1000.0 - z) / (z * (1000.0 - 0.1));
         let greatest_error = |format: DepthFormat| {
@@ -281,7 +277,7 @@ mod tests {
     #[test]
     fn bytes_and_names_tell_the_rungs_apart() {
         assert_eq!(Storage::FINEST.bytes_per_pixel(), 40);
-        assert_eq!(Storage::OWN.bytes_per_pixel(), 24);
+        assert_eq!(Storage::SSCT.bytes_per_pixel(), 24);
         let mut names: Vec<_> = Storage::ladder().into_iter().map(Storage::name).collect();
         assert!(names.contains(&"normal RGBA16F, colour RGBA16F".to_owned()));
         names.sort();

@@ -76,10 +76,9 @@ pub fn compare((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<ShaderCompar
 pub fn tables((name_a, a): NamedRun, (name_b, b): NamedRun) -> Vec<Table> {
     let comparisons = compare((name_a, a), (name_b, b));
     let mut frames = vec![["method", "roughness", "number", "A", "B", "B/A"].map(str::to_owned).to_vec()];
-    let variant_and_roughness = |r: &ShaderRecord| (r.head.variant(), crate::study::names::roughness(r.head.roughness));
-    for frame in distinct(a.iter().chain(b).filter(|r| r.runs_in == FRAME).map(variant_and_roughness)) {
+    for frame in distinct(a.iter().chain(b).filter(|r| r.runs_in == FRAME).map(ShaderRecord::variant_and_roughness)) {
         let of_frame = |records: &[ShaderRecord]| -> Vec<ShaderRecord> {
-            records.iter().filter(|r| r.runs_in == FRAME && variant_and_roughness(r) == frame).cloned().collect()
+            records.iter().filter(|r| r.runs_in == FRAME && r.variant_and_roughness() == frame).cloned().collect()
         };
         let [in_a, in_b] = [of_frame(a), of_frame(b)];
         let names = distinct(in_a.iter().chain(&in_b).flat_map(|r| r.statistics.iter().map(|s| s.name.clone())));

@@ -14,7 +14,7 @@ use ssct_scenes::{Capture, Scene, View};
 use ssct_truth::reference::surface::World;
 
 /// Roughness values: a mirror, a narrow lobe and a wide one.
-const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
+pub(super) const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
 
 /// Texels along a side of a face in cases that test something other than sizes. The number is odd, so that it does not
 /// halve exactly in the pyramid.
@@ -55,34 +55,34 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
         places,
         resolution,
     };
-    let still = |name: &str, resolution: u32, place: Vec3| case(name, resolution, 0.0, vec![vec![place]]);
+    let one_still = |name: &str, resolution: u32, place: Vec3| case(name, resolution, 0.0, vec![vec![place]]);
     let floor = Vec3::new(eye.x, bounds.min.y, eye.z);
     // The place in each of eight frames, from the eye to half a metre behind the wall's surface.
     let through_wall = |frame: u16| eye.lerp(wall + 0.5 * ahead, f32::from(frame) / 7.0);
     vec![
-        still("at the eye", SIDE, eye),
-        still("on a surface", SIDE, wall),
-        still("a hair before a surface", SIDE, wall - 1e-4 * ahead),
-        still("inside a wall", SIDE, wall + 0.05 * ahead),
-        still("on the floor", SIDE, floor),
-        still("below the floor", SIDE, floor - 0.1 * Vec3::Y),
-        still("in a corner of the bounds", SIDE, bounds.min),
-        still("outside", SIDE, bounds.max + 10.0),
+        one_still("at the eye", SIDE, eye),
+        one_still("on a surface", SIDE, wall),
+        one_still("a hair before a surface", SIDE, wall - 1e-4 * ahead),
+        one_still("inside a wall", SIDE, wall + 0.05 * ahead),
+        one_still("on the floor", SIDE, floor),
+        one_still("below the floor", SIDE, floor - 0.1 * Vec3::Y),
+        one_still("in a corner of the bounds", SIDE, bounds.min),
+        one_still("outside", SIDE, bounds.max + 10.0),
         case("moved each frame, through a wall", SIDE, 0.0, (0..8).map(|frame| vec![through_wall(frame)]).collect()),
         case("two in one place", SIDE, 0.0, vec![vec![eye - 0.2 * ahead; 2]]),
         case("before and inside a wall", SIDE, 0.0, vec![vec![wall - 0.5 * ahead, wall + 0.05 * ahead]]),
-        still("with faces of 1x1, at the eye", 1, eye),
-        still("with faces of 1x1, on a surface", 1, wall),
-        still("with faces of 2x2", 2, eye),
-        still("with faces of 3x3", 3, eye),
+        one_still("with faces of 1x1, at the eye", 1, eye),
+        one_still("with faces of 1x1, on a surface", 1, wall),
+        one_still("with faces of 2x2", 2, eye),
+        one_still("with faces of 3x3", 3, eye),
         case("a kilometre from the origin", SIDE, 1e3, vec![vec![eye - 0.2 * ahead]]),
         case("1000 km from the origin", SIDE, 1e6, vec![vec![eye - 0.2 * ahead]]),
     ]
 }
 
 impl CaptureCase {
-    /// Returns the key of the case's line-up: resolution, number of captures, and offset. Cases with equal keys share a
-    /// line-up.
+    /// Returns the key of the case: resolution, number of captures, and offset. Cases with equal keys use the same
+    /// line-up of methods ([`super::lineup`]), which is made once.
     pub fn key(&self) -> (u32, usize, u32) {
         (self.resolution, self.places[0].len(), self.offset.to_bits())
     }
@@ -133,11 +133,11 @@ pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneMethods) -> Result<V
             let places: Vec<Vec3> = places.iter().map(|p| *p + case.offset).collect();
             lineup.move_captures(&places)?;
             let Some(data) = lineup.draw(camera)? else { continue };
-            let made = lineup.read_images()?;
-            let frame = if case.places.len() > 1 { format!(", frame {n}") } else { String::new() };
-            let name = format!("{}, roughness {roughness}{frame}", case.name);
+            let frames = lineup.read_images()?;
+            let suffix = if case.places.len() > 1 { format!(", frame {n}") } else { String::new() };
+            let name = format!("{}, roughness {roughness}{suffix}", case.name);
             let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
-            records.extend(lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &judged, m, &data, None)));
+            records.extend(lineup.methods().zip(&frames).map(|(m, frame)| frame.judge(gpu, &judged, m, &data, None)));
         }
     }
     Ok(records)

@@ -82,7 +82,7 @@ impl Pixel<'_> {
 
     /// Finds the nearest surface in this pixel of a picture of random tilted rectangles before a wall, like plausible
     /// geometry: its view depth and its normal. `None` for sky, which about one in 16 blocks of 4 × 4 pixels shows.
-    fn facets(&self, seed: u64) -> Option<(f64, DVec3)> {
+    fn nearest_facet(&self, seed: u64) -> Option<(f64, DVec3)> {
         // The factor tells the blocks of different rows apart.
         if Stream::new(seed, 1 << 40).uniform(u64::from(self.x / 4 + self.y / 4 * 8191)) < 1.0 / 16.0 {
             return None;
@@ -114,20 +114,20 @@ impl Pixel<'_> {
         Some((nearest_z, nearest_normal))
     }
 
-    /// Makes the contents of the pixel from [`Self::facets`], of which all but the sky are mirrors.
+    /// Makes the contents of the pixel from [`Self::nearest_facet`], of which all but the sky are mirrors.
     fn facet_texel(&self, seed: u64) -> Texel {
-        match self.facets(seed) {
+        match self.nearest_facet(seed) {
             Some((z, normal)) => self.mirror(self.depth_of(z), normal),
             None => Texel { reflectivity: 0.0, ..self.mirror(0.0, DVec3::ZERO) },
         }
     }
 
-    /// Makes the contents of the pixel from [`Self::facets`], with a normal that reflects the view ray into the
+    /// Makes the contents of the pixel from [`Self::nearest_facet`], with a normal that reflects the view ray into the
     /// direction `along`, in view space.
-    fn aimed(&self, seed: u64, along: DVec3) -> Texel {
+    fn aimed_facet_texel(&self, seed: u64, along: DVec3) -> Texel {
         // A mirror with the half vector as its normal reflects the view ray into `along`.
         let normal = (along.normalize() - self.direction().normalize()).try_normalize().unwrap_or(DVec3::Y);
-        match self.facets(seed) {
+        match self.nearest_facet(seed) {
             Some((z, _)) => self.mirror(self.depth_of(z), normal),
             None => self.facet_texel(seed),
         }
@@ -185,12 +185,12 @@ impl Case {
     }
 }
 
-/// The size of images in cases that test something other than sizes. Both sides are primes.
-const ODD: [u32; 2] = [127, 61];
+/// The size of images in cases that test something other than sizes. Both sides are prime numbers of pixels.
+const PRIME_SIZE: [u32; 2] = [127, 61];
 
-/// Number of pixels from which on only a random quarter of an image reflects, since marches of one pixel a step in all
-/// pixels would take minutes on a CPU.
-const LARGE: u32 = 4_000_000;
+/// Number of pixels from which on an image is large: only a random quarter of it reflects, since marches of one pixel a
+/// step in all pixels would take minutes on a CPU.
+const LARGE_PIXELS: u32 = 4_000_000;
 
 /// Pixels along a side of a tile of a large image, which reflects as a whole or not at all.
 const SQUARE_PIXELS: u32 = 16;
@@ -209,18 +209,18 @@ pub fn cases(quick: bool) -> Vec<Case> {
 
 /// Makes cases of images with unusual sizes; `quick` leaves the large images out.
 fn sizes(quick: bool) -> Vec<Case> {
-    let small = [[1, 1], [1, 257], [257, 1], [2, 2], [3, 5], [64, 64], [65, 63], ODD, [641, 479]];
+    let small = [[1, 1], [1, 257], [257, 1], [2, 2], [3, 5], [64, 64], [65, 63], PRIME_SIZE, [641, 479]];
     let large: &[[u32; 2]] = if quick { &[] } else { &[[1919, 1079], [4096, 2304]] };
     let case = |extent: &[u32; 2]| {
         let name = format!("size {}x{}", extent[0], extent[1]);
-        if extent[0] * extent[1] < LARGE {
+        if extent[0] * extent[1] < LARGE_PIXELS {
             return Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1));
         }
         let name = format!("{name}, a quarter of its {SQUARE_PIXELS}x{SQUARE_PIXELS} tiles reflecting");
         Case::new(name, *extent, Lens::default(), |p: &Pixel| {
             let tile = u64::from(p.x / SQUARE_PIXELS) + (u64::from(p.y / SQUARE_PIXELS) << 20);
-            let shown = p.facet_texel(1);
-            if Stream::new(8, tile).uniform(0) < 0.25 { shown } else { Texel { reflectivity: 0.0, ..shown } }
+            let texel = p.facet_texel(1);
+            if Stream::new(8, tile).uniform(0) < 0.25 { texel } else { Texel { reflectivity: 0.0, ..texel } }
         })
     };
     small.iter().chain(large).map(case).collect()
@@ -231,7 +231,7 @@ fn ranges() -> Vec<Case> {
     let case = |(near_m, far_m): (f32, f32), fov: f32| {
         let lens = Lens::perspective(fov.to_radians(), near_m, far_m);
         let name = format!("near {near_m} far {far_m} fov {fov}");
-        Case::new(name, ODD, lens, |p: &Pixel| p.facet_texel(2))
+        Case::new(name, PRIME_SIZE, lens, |p: &Pixel| p.facet_texel(2))
     };
     vec![
         case((1.0, 2.0), 74.0),
@@ -249,12 +249,12 @@ fn ranges() -> Vec<Case> {
 fn depths() -> Vec<Case> {
     let lens = Lens::default();
     let flat = |name: &str, depth: f32| {
-        Case::new(name, ODD, lens, move |p: &Pixel| {
+        Case::new(name, PRIME_SIZE, lens, move |p: &Pixel| {
             p.mirror(depth, DVec3::new(p.uniform(0) - 0.5, p.uniform(1) - 0.5, -0.6).normalize())
         })
     };
     let case = |name: &str, depth: fn(&Pixel) -> f32| {
-        Case::new(name, ODD, lens, move |p: &Pixel| {
+        Case::new(name, PRIME_SIZE, lens, move |p: &Pixel| {
             let normal = DVec3::new(p.uniform(0) - 0.5, p.uniform(1) - 0.5, -p.uniform(2)).normalize_or(DVec3::Y);
             p.mirror(depth(p), normal)
         })
@@ -297,15 +297,15 @@ fn directions() -> Vec<Case> {
         ("-x +z", DVec3::new(-1.0, 0.0, 1.0)),
     ];
     let lens = Lens::default();
-    let mut all: Vec<Case> = axes
-        .into_iter()
-        .map(|(name, along)| Case::new(format!("rays along {name}"), ODD, lens, move |p: &Pixel| p.aimed(3, along)))
-        .collect();
+    let case = |(name, along): (&str, DVec3)| {
+        Case::new(format!("rays along {name}"), PRIME_SIZE, lens, move |p: &Pixel| p.aimed_facet_texel(3, along))
+    };
+    let mut all: Vec<Case> = axes.into_iter().map(case).collect();
     // Each ray goes straight back to the eye, so that it stays in its pixel.
-    all.push(Case::new("rays straight back", ODD, lens, |p: &Pixel| p.aimed(3, -p.direction())));
+    all.push(Case::new("rays straight back", PRIME_SIZE, lens, |p: &Pixel| p.aimed_facet_texel(3, -p.direction())));
     // In a square image, rays that move equally far in x and y pass through corners of pixels.
     all.push(Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
-        p.aimed(3, DVec3::new(if p.y.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 0.0))
+        p.aimed_facet_texel(3, DVec3::new(if p.y.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 0.0))
     }));
     all
 }
@@ -314,7 +314,7 @@ fn directions() -> Vec<Case> {
 fn normals() -> Vec<Case> {
     let lens = Lens::default();
     let case = |name: &str, change: fn(&Pixel, Vec3) -> Vec3| {
-        Case::new(format!("normals {name}"), ODD, lens, move |p: &Pixel| {
+        Case::new(format!("normals {name}"), PRIME_SIZE, lens, move |p: &Pixel| {
             let facet = p.facet_texel(4);
             Texel { normal: change(p, facet.normal), ..facet }
         })
@@ -339,7 +339,7 @@ fn normals() -> Vec<Case> {
 fn colors() -> Vec<Case> {
     let lens = Lens::default();
     let case = |name: &str, color: fn(&Pixel) -> Vec3, roughness: f32| {
-        Case::new(format!("colours {name}, roughness {roughness}"), ODD, lens, move |p: &Pixel| Texel {
+        Case::new(format!("colours {name}, roughness {roughness}"), PRIME_SIZE, lens, move |p: &Pixel| Texel {
             color: color(p),
             roughness,
             ..p.facet_texel(5)
@@ -369,14 +369,14 @@ fn odd_color(p: &Pixel, odd: f32) -> Vec3 {
 fn materials() -> Vec<Case> {
     let lens = Lens::default();
     let rough = |name: &str, roughness: fn(&Pixel) -> f32| {
-        Case::new(format!("roughness {name}"), ODD, lens, move |p: &Pixel| Texel {
+        Case::new(format!("roughness {name}"), PRIME_SIZE, lens, move |p: &Pixel| Texel {
             roughness: roughness(p),
             ..p.facet_texel(6)
         })
         .without_truth()
     };
     let reflecting = |name: &str, reflectivity: fn(&Pixel) -> f32| {
-        Case::new(format!("reflectivity {name}"), ODD, lens, move |p: &Pixel| Texel {
+        Case::new(format!("reflectivity {name}"), PRIME_SIZE, lens, move |p: &Pixel| Texel {
             reflectivity: reflectivity(p),
             ..p.facet_texel(6)
         })

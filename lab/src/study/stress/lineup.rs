@@ -86,23 +86,23 @@ pub struct SceneMethods {
     pub(super) setup: Setup,
     stage: Stage,
     shots: Vec<(&'static MethodInfo, Shot)>,
-    /// Counts of what the first shot drew.
+    /// Counts of what the first shot drew in the last G-buffer.
     drawn: DrawnCounts,
 }
 
 impl SceneMethods {
     /// Makes the line-up of some methods, which also write their hits, if they have any.
     pub fn with_hits(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::with(gpu, scene, setup, Wants::HITS, methods)
+        Self::make(gpu, scene, setup, Wants::HITS, methods)
     }
 
     /// Makes the line-up of some methods, which also write an image of the reflection.
     pub fn new(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::with(gpu, scene, setup, Wants::REFLECTION, methods)
+        Self::make(gpu, scene, setup, Wants::REFLECTION, methods)
     }
 
     /// Makes the line-up of some methods, which write the images that `wants` names.
-    fn with(gpu: &Gpu, scene: Scene, setup: &Setup, wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
+    fn make(gpu: &Gpu, scene: Scene, setup: &Setup, wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
         let extent = setup.extent;
         let mut stage = Stage::new(gpu, &scene)?;
         let view = scene.views.first().cloned().unwrap_or_default();
@@ -152,17 +152,17 @@ impl SceneMethods {
 
     /// Draws a frame of each method on the last G-buffer drawn, and returns its images.
     pub(super) fn read_images(&mut self) -> Result<Vec<FrameImages>> {
-        self.each(Mode::Timed, FrameImages::read)
+        self.draw_each(Mode::Timed, FrameImages::read)
     }
 
     /// Draws a frame of each method on the last G-buffer drawn, and returns its reflection.
     pub(super) fn reflections(&mut self) -> Result<Vec<Pixels>> {
-        self.each(Mode::Plain, |context, _, output| Ok(reflection(context, output)?))
+        self.draw_each(Mode::Plain, |context, _, output| Ok(reflection(context, output)?))
     }
 
     /// Draws a frame of each method on the G-buffer that [`Self::draw`] drew last with the first shot, and returns what
     /// `read` makes of each report and output.
-    fn each<T>(
+    fn draw_each<T>(
         &mut self,
         mode: Mode,
         read: impl Fn(&mut FrameContext, FrameReport, &Output) -> Result<T>,

@@ -8,14 +8,14 @@ use crate::study::columns::{AsDatum, Datum, columns, figure};
 use crate::study::engine::{Bench, Planned, Row, Study};
 use crate::study::exhibit::{Table, pivot};
 use crate::study::journal::scene_digest;
-use crate::study::record::{Provenance, RecordedSetup, cell, recorded};
+use crate::study::record::{Provenance, RecordedSetup, recorded_setup, setting_text};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use ssct::gpu::Gpu;
 use ssct::methods::{EffectParams, MethodInfo, Setup};
 use ssct_scenes::{Camera, GBufferData, Scene, View};
-use ssct_truth::metrics::flicker::{SamePlace, changes, mean, pairs, sound};
+use ssct_truth::metrics::flicker::{SamePlace, changes, finite_or_black, mean, pairs};
 use ssct_truth::metrics::percentile;
 use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::screen::{Sampling, ScreenReference};
@@ -32,6 +32,10 @@ pub enum Motion {
     SlowPan,
 }
 
+/// The seed of both references, equal for all frames, so that the noise of a pixel cancels in the difference of two
+/// frames, except where its reflection changes.
+const SEED: u64 = 3;
+
 /// All motions.
 pub const MOTIONS: [Motion; 2] = [Motion::SubPixel, Motion::SlowPan];
 
@@ -44,8 +48,8 @@ impl Motion {
         }
     }
 
-    /// Returns the view of a frame, counted from 0, in an image with a number of rows; `view` is that of the first
-    /// frame.
+    /// Returns the view of a frame, counted from 0. `view` is that of the first frame, and `rows` is the height of the
+    /// image in pixels.
     fn view(self, scene: &Scene, view: &View, frame: u32, rows: u32) -> View {
         let lens = view.lens.unwrap_or(scene.lens);
         // The height of a pixel in the middle of the image, in metres for each metre of distance.
@@ -101,7 +105,7 @@ columns! {
         /// reference: 0 for the reference, 1 for a method that shows nothing.
         pub deviation: Option<f64> = figure(""),
         /// Comparison of the method's changes with those of the world reference; null if it was not asked for.
-        pub world: Option<WorldMotion>,
+        pub world: Option<ReferenceComparison>,
     }
 }
 
@@ -111,15 +115,26 @@ impl AsDatum for Motion {
     }
 }
 
-/// A method's changes compared with those of the world reference.
+/// A method's changes compared with those of a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct WorldMotion {
-    /// Flicker of the world reference, computed like [`MotionRecord::flicker`].
+pub struct ReferenceComparison {
+    /// Flicker of the reference, computed like [`MotionRecord::flicker`].
     pub reference_flicker: f64,
     /// Ratio of the method's flicker to the reference's; null where the reference stands still.
     pub ratio: Option<f64>,
-    /// [`MotionRecord::deviation`], computed against the world reference.
+    /// [`MotionRecord::deviation`], computed against this reference.
     pub deviation: Option<f64>,
+}
+
+impl ReferenceComparison {
+    /// Compares the changes of a method's reflection with those of a reference over the same pairs of pixels.
+    fn new(changes: &[Vec3], reference_changes: &[Vec3]) -> Self {
+        let reference_flicker = mean(reference_changes, |_, change| change);
+        let difference = mean(changes, |n, change| change - reference_changes[n]);
+        let relative = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
+        let ratio = relative(mean(changes, |_, change| change));
+        Self { reference_flicker, ratio, deviation: relative(difference) }
+    }
 }
 
 const ABOUT: &str = "Mean absolute change of the reflection from frame to frame, each pixel beside the same \
@@ -167,7 +182,7 @@ fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(
 impl MotionRecord {
     /// Returns the name of the method, with its fallback and captures, if it has any.
     pub fn variant(&self) -> String {
-        let setting = |name: &str| self.setup.get(name).map(cell).unwrap_or_default();
+        let setting = |name: &str| self.setup.get(name).map(setting_text).unwrap_or_default();
         let addition = |name: &str, words: &str| match setting(name).as_str() {
             "" | "none" => String::new(),
             value => format!(" + {words}{value}"),
@@ -180,6 +195,8 @@ impl MotionRecord {
 pub struct MotionSpec<'a> {
     /// View that the camera starts from.
     pub view: &'a View,
+    /// Motion of the camera.
+    pub motion: Motion,
     /// Size in pixels, which is the line-up's.
     pub extent: [u32; 2],
     /// Roughness of every surface.
@@ -193,11 +210,11 @@ pub struct MotionSpec<'a> {
 }
 
 impl MotionSpec<'_> {
-    /// Returns the name of the cell with a motion in a scene.
-    pub fn name(&self, scene: &Scene, motion: Motion) -> String {
+    /// Returns the name of the cell in a scene.
+    pub fn name(&self, scene: &Scene) -> String {
         let [width, height] = self.extent;
         let Self { roughness, frames, rays, .. } = self;
-        let motion = motion.name();
+        let motion = self.motion.name();
         format!("{} {} {width}x{height} {roughness} {motion} {frames} frames {rays} rays", scene.name, self.view.name)
     }
 }
@@ -222,14 +239,22 @@ pub struct MotionStudy {
     pub lineup: Option<SceneMethods>,
 }
 
-/// A cell: a view, by its index in the study, with a roughness and a motion.
-pub type MotionCell = (usize, f32, Motion);
+/// A cell of motion.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionCell {
+    /// Index of the view in the study.
+    pub view: usize,
+    /// Roughness of every surface.
+    pub roughness: f32,
+    /// Motion of the camera.
+    pub motion: Motion,
+}
 
 impl MotionStudy {
     /// Returns the view and the settings of a cell.
-    fn spec(&self, &(view, roughness, _): &MotionCell) -> MotionSpec<'_> {
+    fn spec(&self, &MotionCell { view, roughness, motion }: &MotionCell) -> MotionSpec<'_> {
         let (extent, frames, rays) = (self.setup.extent, self.frames, self.rays);
-        MotionSpec { view: &self.views[view], extent, roughness, frames, rays, against_world: true }
+        MotionSpec { view: &self.views[view], motion, extent, roughness, frames, rays, against_world: true }
     }
 }
 
@@ -248,8 +273,8 @@ impl Study for MotionStudy {
         for (n, view) in self.views.iter().enumerate() {
             for &roughness in &self.roughness {
                 cells.extend(MOTIONS.map(|motion| {
-                    let cell = (n, roughness, motion);
-                    let name = self.spec(&cell).name(&self.scene, motion);
+                    let cell = MotionCell { view: n, roughness, motion };
+                    let name = self.spec(&cell).name(&self.scene);
                     Planned { setup: json!([name, digest, set, format!("{view:?}")]), name, cell }
                 }));
             }
@@ -260,8 +285,7 @@ impl Study for MotionStudy {
     /// Runs the motion of a cell. The methods of the last cell are used again if the view has the same kind of
     /// projection.
     fn measure(&mut self, cell: &MotionCell, bench: &mut Bench) -> Result<Vec<MotionRecord>> {
-        let (view_index, _, motion) = *cell;
-        let view = &self.views[view_index];
+        let view = &self.views[cell.view];
         let kind = view.lens.unwrap_or(self.scene.lens).kind();
         let mut lineup = match self.lineup.take().filter(|lineup| lineup.kind == kind) {
             Some(lineup) => lineup,
@@ -270,7 +294,7 @@ impl Study for MotionStudy {
                 SceneMethods::new(bench.gpu, scene, &self.setup, &self.methods)?
             }
         };
-        let rows = run(bench.gpu, &self.spec(cell), motion, &mut lineup);
+        let rows = run(bench.gpu, &self.spec(cell), &mut lineup);
         self.lineup = Some(lineup);
         rows
     }
@@ -278,13 +302,13 @@ impl Study for MotionStudy {
 
 /// Draws the frames of a motion by the methods of `lineup`, compares the changes of their reflections from frame to
 /// frame with those of the references, and makes a record of each method.
-pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMethods) -> Result<Vec<MotionRecord>> {
+pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
     let materials = globals.materials(&lineup.scene, spec.view);
     lineup.set_materials(&materials)?;
     let extent = spec.extent;
     let cameras: Vec<Camera> = (0..spec.frames)
-        .map(|n| motion.view(&lineup.scene, spec.view, n, extent[1]).camera(&lineup.scene, extent))
+        .map(|n| spec.motion.view(&lineup.scene, spec.view, n, extent[1]).camera(&lineup.scene, extent))
         .collect();
     let methods: Vec<_> = lineup.methods().collect();
     // The G-buffer of each frame, and for each method the reflection colours of each frame.
@@ -296,19 +320,20 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMetho
     for camera in cameras {
         screens.extend(lineup.draw(camera)?);
         for (frames, pixels) in images.iter_mut().zip(lineup.reflections()?) {
-            frames.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
+            frames.push(pixels.texels().map(|t| finite_or_black(Vec3::new(t[0], t[1], t[2]))).collect());
         }
     }
-    // All frames share one seed, so that the noise of a pixel cancels in the difference of two frames, except where its
-    // reflection changes.
     let EffectParams { oracle, bounces, .. } = lineup.setup.effect();
-    let sampling = Sampling { samples: spec.rays, seed: 3, oracle, bounces };
+    let sampling = Sampling { samples: spec.rays, seed: SEED, oracle, bounces };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
-    let changes_of = |images: &[Vec<Vec3>]| all_changes(&pairs, images, extent);
+    // Returns the changes of colour over the pairs of all frames, frame after frame.
+    let changes_of = |images: &[Vec<Vec3>]| -> Vec<Vec3> {
+        let frames = pairs.iter().zip(images.windows(2));
+        frames.flat_map(|(pairs, two)| changes(pairs, &two[0], &two[1], extent[0])).collect()
+    };
     let screen_changes = changes_of(&reference);
-    let reference_flicker = mean(&screen_changes, |_, change| change);
     let world_changes = spec.against_world.then(|| {
         let world = World::new(&lineup.scene, &materials);
         let images: Vec<_> = screens.iter().map(|s| world_image(&world, s, bounces, spec.rays)).collect();
@@ -317,55 +342,34 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneMetho
     let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
     let record = |(method, images): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
         let changes = changes_of(images);
-        let flicker = mean(&changes, |_, change| change);
-        let difference = mean(&changes, |n, change| change - screen_changes[n]);
-        let ratio = |v: f64, reference_flicker: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
-        let against_world = |world_changes: &Vec<Vec3>| {
-            let reference_flicker = mean(world_changes, |_, change| change);
-            let difference = mean(&changes, |n, change| change - world_changes[n]);
-            WorldMotion {
-                reference_flicker,
-                ratio: ratio(flicker, reference_flicker),
-                deviation: ratio(difference, reference_flicker),
-            }
-        };
+        let against_screen = ReferenceComparison::new(&changes, &screen_changes);
         MotionRecord {
             kind: "motion".to_owned(),
             program: Provenance::on(gpu),
             scene: lineup.scene.name.clone(),
             view: spec.view.name.clone(),
-            motion,
+            motion: spec.motion,
             method: method.name.to_owned(),
             width: extent[0],
             height: extent[1],
             roughness: spec.roughness,
-            setup: recorded(&lineup.setup, Some(method), &lens, &globals),
+            setup: recorded_setup(&lineup.setup, Some(method), &lens, &globals),
             pairs: changes.len(),
-            flicker,
-            reference_flicker,
-            ratio: ratio(flicker, reference_flicker),
-            deviation: ratio(difference, reference_flicker),
-            world: world_changes.as_ref().map(against_world),
+            flicker: mean(&changes, |_, change| change),
+            reference_flicker: against_screen.reference_flicker,
+            ratio: against_screen.ratio,
+            deviation: against_screen.deviation,
+            world: world_changes.as_ref().map(|world_changes| ReferenceComparison::new(&changes, world_changes)),
         }
     };
     Ok(methods.iter().zip(&images).map(record).collect())
 }
 
-/// Traces the world reference of a G-buffer, with the seed of the screen reference, and returns its reflection colours.
+/// Traces the world reference of a G-buffer, and returns its reflection colours.
 fn world_image(world: &World, screen: &GBufferData, bounces: u32, rays: u32) -> Vec<Vec3> {
     let first_hits = FirstHits::shown(world, screen);
-    let reference = WorldReference::new(world, &first_hits, &screen.camera, 3).with_bounces(bounces);
+    let reference = WorldReference::new(world, &first_hits, &screen.camera, SEED).with_bounces(bounces);
     let mut state = reference.start();
     reference.add(&mut state, rays);
     reference.image(&state).reflection
-}
-
-/// Returns the change of colour over each pair of a pixel and the pixel that showed the same surface a frame before,
-/// frame after frame. `pairs` has a list for each two consecutive frames of `images`, whose width in pixels comes last.
-fn all_changes(pairs: &[Vec<SamePlace>], images: &[Vec<Vec3>], [width, _]: [u32; 2]) -> Vec<Vec3> {
-    pairs
-        .iter()
-        .zip(images.windows(2))
-        .flat_map(|(pairs, frames)| changes(pairs, &frames[0], &frames[1], width))
-        .collect()
 }

@@ -32,31 +32,31 @@ impl StressRow {
 }
 
 /// Returns the records of cases among some rows.
-fn cases_of(rows: &[StressRow]) -> Vec<StressRecord> {
+fn case_records(rows: &[StressRow]) -> Vec<StressRecord> {
     rows.iter().filter_map(StressRow::case).cloned().collect()
 }
 
 /// The columns are those of cases, and are empty for motions; the times and ranges are those of both.
 impl Columns for StressRow {
     fn columns() -> ColumnSet<Self> {
-        let of_cases = StressRecord::columns();
+        let case_columns = StressRecord::columns();
         let row_column = |case_column: Column<StressRecord>| {
             let name = case_column.name.clone();
             Column::named(&name, move |row: &Self| row.case().map(|case| case_column.written(case)))
         };
-        let columns = of_cases.columns.into_iter().map(row_column).collect();
-        let of_motions = MotionRecord::columns();
-        let times = of_cases.times.into_iter().chain(of_motions.times).collect();
-        let ranges = of_cases.ranges.into_iter().chain(of_motions.ranges).collect();
+        let columns = case_columns.columns.into_iter().map(row_column).collect();
+        let motion_columns = MotionRecord::columns();
+        let times = case_columns.times.into_iter().chain(motion_columns.times).collect();
+        let ranges = case_columns.ranges.into_iter().chain(motion_columns.ranges).collect();
         ColumnSet { columns, times, ranges, series: None }
     }
 }
 
-const CASES: &str = "What each method made of it: the share of the compared hits that are the oracle's, before it \
+const ABOUT_CASES: &str = "What each method made of it: the share of the compared hits that are the oracle's, before it \
     the shares of the image's pixels that are NaN, infinite (inf), negative (neg) or of exhausted rays (exh). Where no hits \
     are compared and no such pixel is, it is sound.";
 
-const VIOLATIONS: &str = "Cases that are not passed and must be, and those that only took long: by the clock alone, which a \
+const ABOUT_VIOLATIONS: &str = "Cases that are not passed and must be, and those that only took long: by the clock alone, which a \
     busy machine is enough for, and which fails nothing.";
 
 impl Row for StressRow {
@@ -83,13 +83,13 @@ impl Row for StressRow {
              only survive, and their counts are findings.",
             100.0 * AGREEMENT
         );
-        let records = cases_of(rows);
-        let violated = Table::new("violations", "Violations", VIOLATIONS, failures(&records));
+        let records = case_records(rows);
+        let violated = Table::new("violations", "Violations", ABOUT_VIOLATIONS, violation_cells(&records));
         let motions: Vec<MotionRecord> = rows.iter().filter_map(Self::motion).cloned().collect();
-        let motions = if motions.is_empty() { Vec::new() } else { MotionRecord::tables(&motions, settings) };
-        let every = Table::new("cases", "Every case", CASES, cases(&records));
-        let mut all = vec![Table::new("methods", "Method × failure", &rule, methods(&records)), violated];
-        all.extend(motions);
+        let motion_tables = if motions.is_empty() { Vec::new() } else { MotionRecord::tables(&motions, settings) };
+        let every = Table::new("cases", "Every case", ABOUT_CASES, case_cells(&records));
+        let mut all = vec![Table::new("methods", "Method × failure", &rule, method_cells(&records)), violated];
+        all.extend(motion_tables);
         all.push(Table { is_large: true, ..every });
         all
     }
@@ -111,23 +111,26 @@ impl Row for StressRow {
 
 /// Makes the cells of a table with a line for each method: for each kind of wrong pixel, the number of these pixels
 /// over all cases, and the number of cases that have some.
-fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
+fn method_cells(records: &[StressRecord]) -> Vec<Vec<String>> {
     let header = ["method", "cases", "pass", "NaN", "infinite", "negative", "exhausted", "agreement %", "least %"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for name in distinct(records.iter().map(|r| &r.method)) {
-        let here: Vec<&StressRecord> = records.iter().filter(|r| r.method == *name).collect();
+        let of_method: Vec<&StressRecord> = records.iter().filter(|r| r.method == *name).collect();
         let counted = |wrong_pixels: fn(&StressRecord) -> usize| {
-            let cases = here.iter().filter(|r| wrong_pixels(r) > 0).count();
+            let cases = of_method.iter().filter(|r| wrong_pixels(r) > 0).count();
             if cases == 0 {
                 "0".into()
             } else {
-                format!("{} px in {cases}", here.iter().map(|r| wrong_pixels(r)).sum::<usize>())
+                format!("{} px in {cases}", of_method.iter().map(|r| wrong_pixels(r)).sum::<usize>())
             }
         };
-        let exhausted =
-            if here.iter().any(|r| r.exhausted.is_some()) { counted(|r| r.exhausted.unwrap_or(0)) } else { "-".into() };
+        let exhausted = if of_method.iter().any(|r| r.exhausted.is_some()) {
+            counted(|r| r.exhausted.unwrap_or(0))
+        } else {
+            "-".into()
+        };
         // The number of compared pixels of each case, and the share of them that agree.
-        let agreements: Vec<(usize, f64)> = here.iter().filter_map(|r| r.compared.zip(r.hit_agreement)).collect();
+        let agreements: Vec<(usize, f64)> = of_method.iter().filter_map(|r| r.compared.zip(r.hit_agreement)).collect();
         let (mut pixels, mut agreeing) = (0, 0.0);
         for &(compared, share) in &agreements {
             pixels += compared;
@@ -137,8 +140,8 @@ fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
         let least = agreements.iter().map(|(_, share)| *share).reduce(f64::min);
         rows.push(vec![
             name.clone(),
-            here.len().to_string(),
-            here.iter().filter(|r| r.pass).count().to_string(),
+            of_method.len().to_string(),
+            of_method.iter().filter(|r| r.pass).count().to_string(),
             counted(|r| r.nan),
             counted(|r| r.inf),
             counted(|r| r.negative),
@@ -151,7 +154,7 @@ fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
 }
 
 /// Makes the cells of a table with a line for each case that must pass and fails, or that took long.
-fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
+fn violation_cells(records: &[StressRecord]) -> Vec<Vec<String>> {
     let header =
         ["method", "case", "why", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
@@ -175,7 +178,7 @@ fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
 }
 
 /// Makes the cells of a table with a line for each case and a column for each method, which say what was wrong.
-fn cases(records: &[StressRecord]) -> Vec<Vec<String>> {
+fn case_cells(records: &[StressRecord]) -> Vec<Vec<String>> {
     let (case, method) = (|r: &StressRecord| r.case.clone(), |r: &StressRecord| r.method.clone());
     pivot("case", records, [&case, &method], |here| here.first().map(|r| summary(r)))
 }
@@ -228,13 +231,13 @@ mod tests {
     }
 
     #[test]
-    fn a_case_that_the_clock_alone_found_slow_is_called_that_and_fails_nothing() {
+    fn a_case_that_is_only_slow_is_named_so_and_fails_nothing() {
         let rows = [case(true, true), case(false, false), case(true, false)];
-        let why: Vec<String> = failures(&cases_of(&rows)).iter().map(|row| row[2].clone()).collect();
+        let why: Vec<String> = violation_cells(&case_records(&rows)).iter().map(|row| row[2].clone()).collect();
         assert_eq!(why, ["why", "the clock alone", "the image"]);
         assert_eq!(StressRow::failure(&rows[..1]), None);
-        assert!(StressRow::failure(&rows).is_some_and(|said| said.starts_with("1 case(s) are not passed")));
-        let summaries: Vec<String> = cases_of(&rows).iter().map(summary).collect();
+        assert!(StressRow::failure(&rows).is_some_and(|message| message.starts_with("1 case(s) are not passed")));
+        let summaries: Vec<String> = case_records(&rows).iter().map(summary).collect();
         assert_eq!(summaries, ["slow", "NaN 1.56 %", "sound"]);
     }
 }

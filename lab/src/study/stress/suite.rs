@@ -4,7 +4,7 @@
 use super::captures::{self, CaptureCase};
 use super::cases::{Case, cases};
 use super::lineup::{SceneMethods, ScreenMethods};
-use super::motion::{self, MOTIONS, Motion, MotionSpec};
+use super::motion::{self, MOTIONS, MotionCell, MotionSpec};
 use super::row::StressRow;
 use super::trees::{self, TreeCase};
 use super::{Place, StressRecord, moved, places, run, run_place};
@@ -18,11 +18,8 @@ use ssct_scenes::{Scene, library};
 /// Sizes in pixels of the images of cases with a scene: in a quick study, and in a whole study.
 const SCENE_SIZES: [[u32; 2]; 2] = [[161, 91], [321, 181]];
 
-/// Size in pixels of the images of cases with captures.
-const CAPTURE_SIZE: [u32; 2] = [161, 91];
-
-/// Size in pixels of the images of cases with triangles.
-const TREE_SIZE: [u32; 2] = [161, 91];
+/// Size in pixels of the images of cases with captures, and of cases with triangles.
+const SMALL_SIZE: [u32; 2] = [161, 91];
 
 /// Number of triangles of the largest case: in a quick study, and in a whole study.
 const MOST_TRIANGLES: [usize; 2] = [20_000, 1_000_000];
@@ -42,12 +39,12 @@ pub struct StressStudy {
     captures: Vec<(usize, CaptureCase)>,
     /// Scenes of triangles.
     trees: Vec<TreeCase>,
-    /// Motions in the first scene: the index of the view, the roughness and the motion.
-    motions: Vec<(usize, f32, Motion)>,
+    /// Motions in the first scene.
+    motions: Vec<MotionCell>,
     /// The methods for G-buffers that were made last, with the size; later cells use them again.
-    screen: LastMade<[u32; 2], ScreenMethods>,
+    screen_methods: LastMade<[u32; 2], ScreenMethods>,
     /// The methods for a scene that were made last, with the name of the line-up; later cells use them again.
-    scene: LastMade<String, SceneMethods>,
+    scene_methods: LastMade<String, SceneMethods>,
 }
 
 /// A cell of the study, by its index among the cells of its kind.
@@ -82,7 +79,9 @@ impl StressStudy {
             _ => 0,
         };
         let most_triangles = MOST_TRIANGLES[usize::from(!is_quick)];
-        let motions = (0..views).flat_map(|view| MOTION_ROUGHNESS.map(|roughness| (view, roughness)));
+        let view_and_roughness = (0..views).flat_map(|view| MOTION_ROUGHNESS.map(|roughness| (view, roughness)));
+        let motions = view_and_roughness
+            .flat_map(|(view, roughness)| MOTIONS.map(|motion| MotionCell { view, roughness, motion }));
         Self {
             is_quick,
             methods,
@@ -90,9 +89,9 @@ impl StressStudy {
             places: places.filter(|(_, place)| is_chosen(&place.name)).collect(),
             captures: captures.filter(|(_, case)| is_chosen(&case.name)).collect(),
             trees: trees::cases(most_triangles).into_iter().filter(|case| is_chosen(&case.name)).collect(),
-            motions: motions.flat_map(|(view, roughness)| MOTIONS.map(|motion| (view, roughness, motion))).collect(),
-            screen: LastMade::default(),
-            scene: LastMade::default(),
+            motions: motions.collect(),
+            screen_methods: LastMade::default(),
+            scene_methods: LastMade::default(),
             scenes,
         }
     }
@@ -105,9 +104,9 @@ impl StressStudy {
     /// Returns the view and the settings of the motion with the index `n` among `motions`, which all play in the first
     /// scene.
     fn motion_spec(&self, n: usize) -> MotionSpec<'_> {
-        let (view, roughness, _) = self.motions[n];
+        let MotionCell { view, roughness, motion } = self.motions[n];
         let (extent, frames, rays) = if self.is_quick { ([160, 90], 3, 16) } else { ([320, 180], 6, 64) };
-        MotionSpec { view: &self.scenes[0].views[view], extent, roughness, frames, rays, against_world: false }
+        MotionSpec { view: &self.scenes[0].views[view], motion, extent, roughness, frames, rays, against_world: false }
     }
 
     /// Returns the name of a cell.
@@ -117,13 +116,13 @@ impl StressStudy {
             StressCell::Place(n) => self.places[n].1.name.clone(),
             StressCell::Captures(n) => self.captures[n].1.name.clone(),
             StressCell::Tree(n) => self.trees[n].name.clone(),
-            StressCell::Motion(n) => self.motion_spec(n).name(&self.scenes[0], self.motions[n].2),
+            StressCell::Motion(n) => self.motion_spec(n).name(&self.scenes[0]),
         }
     }
 }
 
 /// Makes rows of the records of cases.
-fn of_cases(records: Vec<StressRecord>) -> Vec<StressRow> {
+fn case_rows(records: Vec<StressRecord>) -> Vec<StressRow> {
     records.into_iter().map(|record| StressRow::Case(Box::new(record))).collect()
 }
 
@@ -160,53 +159,48 @@ impl Study for StressStudy {
 
     /// Runs a cell. The methods of the last cell are used again if they were made for the same size or scene.
     fn measure(&mut self, cell: &StressCell, bench: &mut Bench) -> Result<Vec<StressRow>> {
-        let (gpu, mut scene_lineup) = (bench.gpu, std::mem::take(&mut self.scene));
-        // A cell of a G-buffer does not put the methods for scenes back, so that they are dropped when it ends.
-        if let StressCell::Case(n) = *cell {
-            let Self { cases, methods, screen, .. } = self;
-            let extent = cases[n].extent();
-            let lineup = screen.get_or_make(extent, || ScreenMethods::new(gpu, extent, methods))?;
-            return Ok(of_cases(run(gpu, &cases[n], lineup)?));
+        let gpu = bench.gpu;
+        // Only one of the two kinds of methods is kept, since both need much memory.
+        match cell {
+            StressCell::Case(_) => self.scene_methods.forget(),
+            _ => self.screen_methods.forget(),
         }
-        // Methods for G-buffers are dropped, since methods for scenes need their memory.
-        self.screen = LastMade::default();
+        let mut scene_lineup = std::mem::take(&mut self.scene_methods);
         let rows = match *cell {
-            // Such a cell was run above.
-            StressCell::Case(_) => Vec::new(),
+            StressCell::Case(n) => {
+                let Self { cases, methods, screen_methods, .. } = self;
+                let extent = cases[n].extent();
+                let lineup = screen_methods.get_or_make(extent, || ScreenMethods::new(gpu, extent, methods))?;
+                case_rows(run(gpu, &cases[n], lineup)?)
+            }
             StressCell::Place(n) => {
                 let (scene_index, place) = &self.places[n];
                 let scene = &self.scenes[*scene_index];
-                let make = || {
-                    SceneMethods::with_hits(
-                        gpu,
-                        moved(scene, place),
-                        &Setup::on_screen(self.scene_size()),
-                        &self.methods,
-                    )
-                };
+                let setup = Setup::on_screen(self.scene_size());
+                let make = || SceneMethods::with_hits(gpu, moved(scene, place), &setup, &self.methods);
                 let lineup = scene_lineup.get_or_make(format!("place {scene_index} {}", place.offset), make)?;
-                of_cases(run_place(gpu, place, lineup)?)
+                case_rows(run_place(gpu, place, lineup)?)
             }
             StressCell::Captures(n) => {
                 let (scene_index, case) = &self.captures[n];
                 let methods: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_captures).collect();
-                let make = || case.lineup(gpu, &self.scenes[*scene_index], CAPTURE_SIZE, &methods);
+                let make = || case.lineup(gpu, &self.scenes[*scene_index], SMALL_SIZE, &methods);
                 let lineup = scene_lineup.get_or_make(format!("captures {scene_index} {:?}", case.key()), make)?;
-                of_cases(captures::run(gpu, case, lineup)?)
+                case_rows(captures::run(gpu, case, lineup)?)
             }
             StressCell::Tree(n) => {
                 let methods: Vec<_> = self.methods.iter().copied().filter(|m| m.takes_triangles).collect();
-                of_cases(trees::run(gpu, &self.trees[n], TREE_SIZE, &methods)?)
+                case_rows(trees::run(gpu, &self.trees[n], SMALL_SIZE, &methods)?)
             }
             StressCell::Motion(n) => {
                 let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);
                 let make = || SceneMethods::new(gpu, scene.clone(), &Setup::on_screen(spec.extent), &self.methods);
                 let lineup = scene_lineup.get_or_make(format!("motion {:?}", spec.extent), make)?;
-                let records = motion::run(gpu, &spec, self.motions[n].2, lineup)?;
+                let records = motion::run(gpu, &spec, lineup)?;
                 records.into_iter().map(|record| StressRow::Motion(Box::new(record))).collect()
             }
         };
-        self.scene = scene_lineup;
+        self.scene_methods = scene_lineup;
         Ok(rows)
     }
 }

@@ -2,6 +2,7 @@
 //! origin, inside a closed box, behind holes, and planes a millimetre apart. Methods that follow rays among triangles
 //! must show a sound number in every pixel, end every ray, and end it where it ends in the world.
 
+use super::captures::ROUGHNESS;
 use super::lineup::{FrameImages, SceneMethods};
 use super::{ComparedRays, JudgedFrame, StressRecord};
 use crate::error::Result;
@@ -21,13 +22,12 @@ use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::ray::RaySetup;
 use ssct_truth::reference::surface::World;
 
-/// Roughness values: a mirror, a narrow lobe and a wide one.
-const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
-
-/// Share of the mirror rays that must end where they end in the world, with ties counted as right: if triangles are
-/// traced first, and if the screen is traced first. On the screen a hit is confirmed by the triangle of its pixel
-/// alone, whatever else the ray may pass.
-const RIGHT_ENDS: [f64; 2] = [0.999, 0.98];
+/// The least share of the mirror rays that must end where they end in the world, with ties counted as right, if
+/// triangles are traced first.
+const RIGHT_ENDS_TRIANGLES_FIRST: f64 = 0.999;
+/// The least share, as in [`RIGHT_ENDS_TRIANGLES_FIRST`], if the screen is traced first. On the screen a hit is
+/// confirmed by the triangle of its pixel alone, whatever else the ray may pass.
+const RIGHT_ENDS_SCREEN_FIRST: f64 = 0.98;
 
 /// Tolerance of the place where a ray ends, as a share of the ray's length. It is so small that a ray must meet the
 /// right one of two planes a millimetre apart.
@@ -50,19 +50,19 @@ pub struct TreeCase {
     place_share: f64,
 }
 
-/// Makes every case; `most` is the number of triangles of the largest.
-pub fn cases(most: usize) -> Vec<TreeCase> {
+/// Makes every case; `most_triangles` is the number of triangles of the largest.
+pub fn cases(most_triangles: usize) -> Vec<TreeCase> {
     let case = |name: String, make: Box<dyn Fn() -> Scene>| TreeCase {
         name: format!("triangles {name}"),
         make,
         place_share: PLACE_SHARE,
     };
-    let slivers = case(format!("{most} slivers"), Box::new(move || slivers(most)));
+    let slivers = case(format!("{most_triangles} slivers"), Box::new(move || slivers(most_triangles)));
     let mut all = vec![
-        case("one alone".into(), Box::new(one)),
+        case("one alone".into(), Box::new(single_triangle)),
         TreeCase { place_share: PLACE_SHARE_ON_SLIVERS, ..slivers },
         case("all in one plane".into(), Box::new(|| one_plane(5_000))),
-        case("all the same".into(), Box::new(|| same(500))),
+        case("all the same".into(), Box::new(|| copies(500))),
         case("in a closed box, seen from inside".into(), Box::new(|| closed_box(0.0))),
         case("in a closed box, 1000 km from the origin".into(), Box::new(|| closed_box(1e6))),
         case("behind 40 planes of holes".into(), Box::new(|| behind_holes(40))),
@@ -99,8 +99,10 @@ impl TreeCase {
 /// Errors of the device.
 pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Vec<StressRecord>> {
     let mut records = Vec::new();
-    let orders = [(FirstTraced::Triangles, "triangles first"), (FirstTraced::Screen, "screen first")];
-    for ((first, order_name), least_right) in orders.into_iter().zip(RIGHT_ENDS) {
+    for (first, order_name, required_share) in [
+        (FirstTraced::Triangles, "triangles first", RIGHT_ENDS_TRIANGLES_FIRST),
+        (FirstTraced::Screen, "screen first", RIGHT_ENDS_SCREEN_FIRST),
+    ] {
         let mut lineup = case.lineup(gpu, extent, first, methods)?;
         let view = lineup.scene.views[0].clone();
         let camera = view.camera(&lineup.scene, extent);
@@ -109,17 +111,16 @@ pub fn run(gpu: &Gpu, case: &TreeCase, extent: [u32; 2], methods: &[&'static Met
             let materials = globals.materials(&lineup.scene, &view);
             lineup.set_materials(&materials)?;
             let Some(data) = lineup.draw(camera)? else { continue };
-            let made = lineup.read_images()?;
-            // On a device that does not number triangles, rays begin at points that follow from depth, which are too inexact to
-            // compare.
+            let frames = lineup.read_images()?;
+            // On a device that does not number triangles, rays begin at points that follow from depth, too inexactly.
             let is_compared =
                 roughness == 0.0 && gpu.numbers_triangles() && rounding_m(&lineup.scene) <= COMPARED_ROUNDING_M;
             let truth = is_compared.then(|| Truth::new(&lineup.scene, &materials, &data, case.place_share));
             let name = format!("{}, {order_name}, roughness {roughness}", case.name);
             let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
-            records.extend(lineup.methods().zip(&made).map(|(m, made)| {
-                let compared = truth.as_ref().and_then(|truth| truth.compare(made, &data, least_right));
-                made.judge(gpu, &judged, m, &data, compared)
+            records.extend(lineup.methods().zip(&frames).map(|(m, frame)| {
+                let compared = truth.as_ref().and_then(|truth| truth.compare(frame, &data, required_share));
+                frame.judge(gpu, &judged, m, &data, compared)
             }));
         }
     }
@@ -188,23 +189,23 @@ impl<'a> Truth<'a> {
         })
     }
 
-    /// Compares the ends of a method's rays, `made`, with their ends in the world; `least` is the share that must be
+    /// Compares the ends of the rays in a method's frame with their ends in the world; `required_share` of them must be
     /// right. `None` for a method without hits.
-    fn compare(&self, made: &FrameImages, data: &GBufferData, least: f64) -> Option<ComparedRays> {
-        let ends = ray_ends(made.hits.as_ref()?, data);
+    fn compare(&self, frame: &FrameImages, data: &GBufferData, required_share: f64) -> Option<ComparedRays> {
+        let ends = ray_ends(frame.hits.as_ref()?, data);
         let wrong: Vec<&(usize, WorldRay)> =
             self.rays.par_iter().filter(|(i, ray)| !self.is_right(ray, &ends[*i])).collect();
         let ties = wrong.par_iter().filter(|(i, ray)| self.is_tie(ray, &ends[*i], *i)).count();
-        Some(ComparedRays { rays: self.rays.len(), wrong: wrong.len(), ties: Some(ties), least })
+        Some(ComparedRays { rays: self.rays.len(), wrong: wrong.len(), ties: Some(ties), required_share })
     }
 }
 
 /// The corners of a triangle, and the index of its material.
-type Corners = ([Vec3; 3], usize);
+type MeshTriangle = ([Vec3; 3], usize);
 
 /// Makes a scene of single triangles, each with its own flat normal, with one view from `eye` towards `look_at`;
 /// `far_m` is the distance of the far plane.
-fn scene(name: &str, triangles: impl IntoIterator<Item = Corners>, eye: Vec3, look_at: Vec3, far_m: f32) -> Scene {
+fn scene(name: &str, triangles: impl IntoIterator<Item = MeshTriangle>, eye: Vec3, look_at: Vec3, far_m: f32) -> Scene {
     let materials = [mirror(), paint(), holes()];
     let mut meshes: Vec<Mesh> = (0..materials.len())
         .map(|material| Mesh { name: format!("{name}-{material}"), material, ..Mesh::default() })
@@ -258,17 +259,19 @@ fn mask() -> Texture {
 
 /// Makes a parallelogram of two triangles, with the corner `origin` and the edges `a` and `b`. It faces in the
 /// direction of their cross product.
-fn quad(origin: Vec3, a: Vec3, b: Vec3, material: usize) -> [Corners; 2] {
+fn quad(origin: Vec3, a: Vec3, b: Vec3, material: usize) -> [MeshTriangle; 2] {
     [([origin, origin + a, origin + a + b], material), ([origin, origin + a + b, origin + b], material)]
 }
 
-/// Makes a mirror floor of 20 m a side around the origin.
-fn floor() -> [Corners; 2] {
-    quad(Vec3::new(-10.0, 0.0, -10.0), 20.0 * Vec3::Z, 20.0 * Vec3::X, 0)
+/// Makes a scene of some triangles and a mirror floor, which is 20 m a side around the origin and comes first.
+fn scene_on_floor(name: &str, triangles: impl IntoIterator<Item = MeshTriangle>) -> Scene {
+    let floor = quad(Vec3::new(-10.0, 0.0, -10.0), 20.0 * Vec3::Z, 20.0 * Vec3::X, 0);
+    let all = floor.into_iter().chain(triangles);
+    scene(name, all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
 }
 
 /// A scene of a single triangle, whose tree is a single leaf: a mirror, which shows the sky.
-fn one() -> Scene {
+fn single_triangle() -> Scene {
     let corners = [Vec3::new(-9.0, 0.0, -9.0), Vec3::new(0.0, 0.0, 9.0), Vec3::new(9.0, 0.0, -9.0)];
     scene("one", [(corners, 0)], Vec3::new(0.0, 2.0, -6.0), Vec3::ZERO, 100.0)
 }
@@ -285,8 +288,7 @@ fn slivers(count: usize) -> Scene {
         let across = along.any_orthonormal_vector();
         ([middle - along, middle + along, middle + along + 2e-4 * across], 1)
     };
-    let all = floor().into_iter().chain((0..count.saturating_sub(2)).map(sliver));
-    scene("slivers", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+    scene_on_floor("slivers", (0..count.saturating_sub(2)).map(sliver))
 }
 
 /// A scene of a mirror floor, and `count` triangles that lie over each other in the plane of a wall.
@@ -296,21 +298,19 @@ fn one_plane(count: usize) -> Scene {
         let corner = |i: u64| Vec3::new(16.0 * random.uniform(i) as f32 - 8.0, 6.0 * random.uniform(i + 1) as f32, 4.0);
         ([corner(0), corner(2), corner(4)], 1)
     };
-    let all = floor().into_iter().chain((0..count).map(wall));
-    scene("one-plane", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+    scene_on_floor("one-plane", (0..count).map(wall))
 }
 
 /// A scene of a mirror floor, and `count` copies of one triangle.
-fn same(count: usize) -> Scene {
+fn copies(count: usize) -> Scene {
     let corners = [Vec3::new(-4.0, 0.0, 4.0), Vec3::new(0.0, 5.0, 4.0), Vec3::new(4.0, 0.0, 4.0)];
-    let all = floor().into_iter().chain((0..count).map(|_| (corners, 1)));
-    scene("same", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+    scene_on_floor("same", (0..count).map(|_| (corners, 1)))
 }
 
 /// A scene of a closed box of mirrors around the camera, with smaller boxes inside. `offset` moves all of it along each
 /// axis, in metres.
 fn closed_box(offset: f32) -> Scene {
-    // A cube with a corner and a size, whose faces look in or out.
+    // Makes a cube from its least corner and its size in metres; its faces look inwards or outwards.
     let cube = |corner: Vec3, size: f32, inwards: bool, material: usize| {
         let axes = [[Vec3::X, Vec3::Y, Vec3::Z], [Vec3::Y, Vec3::Z, Vec3::X], [Vec3::Z, Vec3::X, Vec3::Y]];
         axes.into_iter().flat_map(move |[a, b, c]| {
@@ -337,8 +337,7 @@ fn behind_holes(planes: usize) -> Scene {
         quad(Vec3::new(-8.0, 0.0, z), 16.0 * Vec3::X, 5.0 * Vec3::Y, 2)
     };
     let wall = quad(Vec3::new(-8.0, 0.0, 8.0), 16.0 * Vec3::X, 5.0 * Vec3::Y, 1);
-    let all = floor().into_iter().chain((0..planes).flat_map(plane)).chain(wall);
-    scene("behind-holes", all, Vec3::new(0.0, 1.5, -8.0), Vec3::new(0.0, 0.5, 0.0), 100.0)
+    scene_on_floor("behind-holes", (0..planes).flat_map(plane).chain(wall))
 }
 
 /// A scene of a chequerboard of mirror squares in two planes a millimetre apart, before a wall; `distance` is about

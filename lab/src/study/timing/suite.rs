@@ -1,6 +1,6 @@
 //! The cells and rows of the time study, with its tables, chart and CSV files.
 
-use super::{LastShots, TimeSpec, frames_of_a_group, is_whole, keys, record_of, recorded, verdicts};
+use super::{LastShots, TimeSpec, frames_of_a_group, is_whole, keys, record_from_samples, recorded_variants, verdicts};
 use crate::error::Result;
 use crate::stage::Globals;
 use crate::study::captions::{self, ReferenceTime};
@@ -8,12 +8,12 @@ use crate::study::cell_list::{CellList, ListedResult};
 use crate::study::columns::{Column, ColumnSet, Columns, part};
 use crate::study::compare::{TOTAL, shown_drift};
 use crate::study::drift::drift;
-use crate::study::engine::{Bench, Planned, Row, Study, kept};
+use crate::study::engine::{Bench, Planned, Row, Study, rows_in_journal};
 use crate::study::error::Variant;
 use crate::study::exhibit::{Chart, Drawing, Sheet, StageBar, Table, distinct};
 use crate::study::interleave::{self, Sample};
 use crate::study::journal::{Journal, scene_digest};
-use crate::study::names::{cell_name, roughness};
+use crate::study::names::{cell_name, roughness_name};
 use crate::study::record::{Head, Provenance, TimeRecord};
 use crate::study::table as table_5_8;
 use serde::{Deserialize, Serialize};
@@ -150,7 +150,7 @@ impl Study for TimeStudy {
             let (digest, view) = (&self.digests[job_index], format!("{:?}", job.view));
             for &extent in &job.sizes {
                 for &globals in &job.globals {
-                    let variants = recorded(&job.variants, extent);
+                    let variants = recorded_variants(&job.variants, extent);
                     let TimeSettings { samples, a_a, .. } = self.settings;
                     let setup = json!([digest, view, globals, variants, self.warmup, samples, a_a]);
                     let time_cell = |is_reference| TimeCell { job: job_index, extent, globals, is_reference };
@@ -176,7 +176,7 @@ impl Study for TimeStudy {
         }
         let spec = self.jobs[cell.job].spec(gpu, self.warmup, &self.settings);
         let group = spec.group(cell.extent, cell.globals, &self.digests[cell.job]);
-        (0..spec.variants.len()).map(|n| (group.prefix(n), json!(group.head(n)))).collect()
+        (0..spec.variants.len()).map(|n| (group.key_prefix(n), json!(group.head(n)))).collect()
     }
 
     fn steps(&self, cell: &TimeCell) -> usize {
@@ -227,16 +227,16 @@ impl TimeRow {
 }
 
 /// Returns the records of methods among some rows.
-fn methods(rows: &[TimeRow]) -> Vec<TimeRecord> {
-    let method_record = |row: &TimeRow| if let TimeRow::Method(record) = row { Some((**record).clone()) } else { None };
-    rows.iter().filter_map(method_record).collect()
+fn method_records(rows: &[TimeRow]) -> Vec<TimeRecord> {
+    let record = |row: &TimeRow| if let TimeRow::Method(record) = row { Some((**record).clone()) } else { None };
+    rows.iter().filter_map(record).collect()
 }
 
 /// The columns are those of the head, and the median total of a method or the time of the reference.
 impl Columns for TimeRow {
     fn columns() -> ColumnSet<Self> {
-        let of_methods = TimeRecord::columns();
-        let mut all = ColumnSet { times: of_methods.times, ranges: of_methods.ranges, ..ColumnSet::default() };
+        let method_columns = TimeRecord::columns();
+        let mut all = ColumnSet { times: method_columns.times, ranges: method_columns.ranges, ..ColumnSet::default() };
         part().add(("head", ""), Self::head, &mut all);
         let total_ms = |row: &Self| match row {
             Self::Reference(time) => time.wall_ms,
@@ -259,9 +259,9 @@ impl Row for TimeRow {
     /// Makes the table of the thesis's figures beside the times, if it is asked for; the table of all times; and the
     /// table of verdicts, if it is asked for.
     fn tables(rows: &[Self], settings: &Value) -> Vec<Table> {
-        let records = methods(rows);
+        let records = method_records(rows);
         let settings = TimeSettings::deserialize(settings).ok();
-        let first = match settings.map_or(ThesisFigures::Nothing, |settings| settings.beside) {
+        let thesis_table = match settings.map_or(ThesisFigures::Nothing, |settings| settings.beside) {
             ThesisFigures::Nothing => None,
             ThesisFigures::Table => {
                 let cells = table_5_8::cells(&table_5_8::compare(&records));
@@ -274,19 +274,19 @@ impl Row for TimeRow {
                 Some(captions::table(&records, &rows.iter().filter_map(reference_time).collect::<Vec<_>>()))
             }
         };
-        let every = Table { id: "table", cells: cells(&records), ..Table::default() };
+        let every = Table { id: "table", cells: time_cells(&records), ..Table::default() };
         let verdicts = settings.filter(|settings| settings.judges).and_then(|_| verdicts::table(&records));
-        first.into_iter().chain([every]).chain(verdicts).collect()
+        thesis_table.into_iter().chain([every]).chain(verdicts).collect()
     }
 
     /// Makes the chart of the stages of all methods.
     fn charts(rows: &[Self]) -> Vec<Chart> {
-        vec![chart(&methods(rows))]
+        vec![chart(&method_records(rows))]
     }
 
     /// Makes the file of raw samples, and the file of medians.
     fn sheets(rows: &[Self]) -> Vec<Sheet> {
-        let records = methods(rows);
+        let records = method_records(rows);
         vec![
             Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&records) },
             Sheet { file: MEDIANS.to_owned(), cells: median_cells(&records) },
@@ -295,11 +295,10 @@ impl Row for TimeRow {
 
     fn is_whole(list: &CellList, result: &ListedResult, journal: &Journal) -> bool {
         let TimeSettings { samples, a_a, .. } = TimeSettings::from_list(list);
+        // The journal keeps a reference under one key, and each sample of a method under a key of its own.
         if result.record_head.is_null() {
-            // The journal keeps the whole record of a reference under one key.
-            kept::<Self>(journal, &result.key).is_some()
+            rows_in_journal::<Self>(journal, &result.key).is_some()
         } else {
-            // The journal keeps each sample of a method under a key of its own.
             is_whole(&result.key, samples, a_a, journal)
         }
     }
@@ -307,9 +306,9 @@ impl Row for TimeRow {
     /// Reads the row of the reference, or makes the record of a method from its samples in the journal.
     fn read(list: &CellList, result: &ListedResult, journal: &Journal) -> Vec<Self> {
         let Ok(head) = Head::deserialize(&result.record_head) else {
-            return kept(journal, &result.key).unwrap_or_default();
+            return rows_in_journal(journal, &result.key).unwrap_or_default();
         };
-        let record = record_of(head, &result.key, TimeSettings::from_list(list).samples, journal);
+        let record = record_from_samples(head, &result.key, TimeSettings::from_list(list).samples, journal);
         record.map(|record| Self::Method(Box::new(record))).into_iter().collect()
     }
 }
@@ -361,8 +360,8 @@ fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
         let Head { scene, view, width, height, .. } = &r.head;
         let place = [scene.clone(), view.clone(), width.to_string(), height.to_string(), r.head.setting("roughness")];
         let subject: Vec<String> = place.into_iter().chain([r.head.variant()]).collect();
-        let groups =
-            [false, true].map(|counted| r.grouped(counted).into_iter().map(move |(name, ms)| (name, counted, ms)));
+        let groups = [false, true]
+            .map(|counted| r.group_medians(counted).into_iter().map(move |(name, ms)| (name, counted, ms)));
         let total = (TOTAL.to_owned(), true, r.total.median_ms);
         let row = |(name, counted, ms): (String, bool, f64)| {
             [subject.clone(), vec![name, counted.to_string(), format!("{ms:.6}")]].concat()
@@ -374,7 +373,7 @@ fn median_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
 
 /// Makes the cells of the table of all times, header first: for each record the medians of its stages, the statistics
 /// of the total, and the median of the frame, in milliseconds. Drift and noise floor have columns if a record has any.
-fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
+fn time_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let stages = distinct(records.iter().flat_map(|r| r.stages()).map(|(name, _)| name));
     let mut header: Vec<String> = ["scene view", "size", "roughness", "method"].map(str::to_owned).to_vec();
     header.extend(stages.iter().cloned());
@@ -389,11 +388,11 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
         let mut row = vec![
             format!("{} {}", r.head.scene, r.head.view),
             format!("{}x{}", r.head.width, r.head.height),
-            roughness(r.head.roughness),
+            roughness_name(r.head.roughness),
             r.head.variant(),
         ];
-        let own_stages = r.stages();
-        row.extend(stages.iter().map(|stage| match own_stages.iter().find(|(name, _)| name == stage) {
+        let stages_of_record = r.stages();
+        row.extend(stages.iter().map(|stage| match stages_of_record.iter().find(|(name, _)| name == stage) {
             Some((_, ms)) => format!("{ms:.3}"),
             None => "-".into(),
         }));
@@ -411,8 +410,8 @@ fn cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
 pub fn chart(records: &[TimeRecord]) -> Chart {
     let bar = |r: &TimeRecord| {
         let Head { scene, view, width, height, .. } = &r.head;
-        let (variant, rough) = (r.head.variant(), roughness(r.head.roughness));
-        let label = format!("{variant}: {scene} {view}, {width} × {height}, roughness {rough}");
+        let (variant, roughness) = (r.head.variant(), roughness_name(r.head.roughness));
+        let label = format!("{variant}: {scene} {view}, {width} × {height}, roughness {roughness}");
         StageBar { label, stages: r.stages() }
     };
     Chart::new("time", "Where the time goes", Drawing::Bars(records.iter().map(bar).collect()))
@@ -434,12 +433,12 @@ pub fn frames(list: &CellList, journal: &Journal) -> Vec<TimedFrame> {
     let mut frames = Vec::new();
     for result in list.cells.iter().flat_map(|cell| &cell.results) {
         let Ok(head) = Head::deserialize(&result.record_head) else { continue };
-        let rough = head.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
+        let roughness = head.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
         // The last key is that of the frame whose work is counted, which is not timed.
         let keys = keys(&result.key, samples, a_a);
         for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
-            if let Some(Sample { report, .. }) = interleave::kept(journal, key) {
-                let label = format!("{}x{}, {rough}, sample {n}", head.width, head.height);
+            if let Some(Sample { report, .. }) = interleave::sample_in_journal(journal, key) {
+                let label = format!("{}x{}, {roughness}, sample {n}", head.width, head.height);
                 frames.push(TimedFrame { method: head.method.clone(), label, report });
             }
         }

@@ -47,14 +47,15 @@ fn verdicts(records: &[TimeRecord]) -> Vec<TimeComparison> {
 
 /// Makes the table of the verdicts; `None` if no place has two settings.
 pub fn table(records: &[TimeRecord]) -> Option<Table> {
-    let found = verdicts(records);
+    let verdicts = verdicts(records);
     let bound = 100.0 * THRESHOLD;
     let title = format!(
         "B beside A, turn by turn; SAME is within ±{bound:.0} %, FASTER and SLOWER beyond it and beyond the noise floor"
     );
-    let about = [about()].into_iter().chain(compare::own_note(&found).map(str::to_owned)).collect::<Vec<_>>().join(" ");
-    let cells = compare::cells(&found, false);
-    (!found.is_empty()).then(|| Table::new("verdicts", &title, &about, cells))
+    let about =
+        [about()].into_iter().chain(compare::note_on_own(&verdicts).map(str::to_owned)).collect::<Vec<_>>().join(" ");
+    let cells = compare::cells(&verdicts, false);
+    (!verdicts.is_empty()).then(|| Table::new("verdicts", &title, &about, cells))
 }
 
 /// Returns the description of the table.

@@ -9,24 +9,24 @@ const JITTER_PERIOD: u32 = 8;
 impl VideoStudy {
     /// Returns the camera of a frame, for a size in pixels; with the jitter, if the film has one.
     pub(super) fn camera(&self, frame: u32, extent: [u32; 2]) -> Camera {
-        let camera = self.unshifted(frame, extent);
-        if self.jitter { camera.jittered(shift(frame), extent) } else { camera }
+        let camera = self.camera_without_jitter(frame, extent);
+        if self.jitter { camera.jittered(jitter_px(frame), extent) } else { camera }
     }
 
     /// Returns the camera of a frame without the jitter.
-    fn unshifted(&self, frame: u32, extent: [u32; 2]) -> Camera {
+    fn camera_without_jitter(&self, frame: u32, extent: [u32; 2]) -> Camera {
         self.way.view(frame, self.frames, self.frames_per_second).camera(&self.scene, extent)
     }
 
     /// Returns the names of the meshes that move, each with its placement in a frame: by the motion that is played, by
     /// steps, or with the camera.
-    pub(super) fn placed(&self, frame: u32) -> Vec<(&str, Placement)> {
+    pub(super) fn placements(&self, frame: u32) -> Vec<(&str, Placement)> {
         let time_s = frame as f32 / self.frames_per_second;
         let played = self.play.iter().flat_map(|motion| motion.placements_at(time_s));
         let steps = self.step_frames.map_or(frame, |last| frame.min(last));
         let stepped = self.moving.iter().map(|name| (name.as_str(), (steps as f32 * self.step_m).into()));
         // The size of the image does not matter here.
-        let [first, now] = [0, frame].map(|n| self.unshifted(n, [1, 1]));
+        let [first, now] = [0, frame].map(|n| self.camera_without_jitter(n, [1, 1]));
         let with_camera = carried_placement(&first, &now);
         let carried = self.held.iter().map(|name| (name.as_str(), with_camera));
         played.chain(stepped).chain(carried).collect()
@@ -43,7 +43,7 @@ fn carried_placement(first: &Camera, now: &Camera) -> Placement {
 
 /// Returns the jitter of a frame: the shift of its image in pixels, x to the right and y down, each within half a
 /// pixel.
-fn shift(frame: u32) -> [f32; 2] {
+fn jitter_px(frame: u32) -> [f32; 2] {
     // Begins with element 1 of the sequence of Halton, since element 0 is the point (0, 0).
     [2, 3].map(|base| radical_inverse(frame % JITTER_PERIOD + 1, base) - 0.5)
 }
@@ -66,9 +66,8 @@ mod tests {
     use glam::Vec3;
     use ssct_scenes::Lens;
 
-    /// Tests that a mesh that moves with the camera keeps its place in the image.
     #[test]
-    fn what_is_held_stays_where_it_is_in_the_picture() {
+    fn a_mesh_that_the_camera_carries_keeps_its_place_in_the_image() {
         let cameras = [(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO), (Vec3::new(-2.0, 1.0, 0.5), Vec3::new(0.0, 4.0, 1.0))];
         let [first, now] = cameras.map(|(eye, target)| Camera::new(eye, target, Lens::default(), 1.5));
         let placed = carried_placement(&first, &now);
@@ -82,7 +81,7 @@ mod tests {
 
     #[test]
     fn shifted_frames_cover_a_pixel() {
-        let shifts: Vec<[f32; 2]> = (0..JITTER_PERIOD).map(shift).collect();
+        let shifts: Vec<[f32; 2]> = (0..JITTER_PERIOD).map(jitter_px).collect();
         for axis in [0, 1] {
             let mean: f32 = shifts.iter().map(|shift| shift[axis]).sum::<f32>() / JITTER_PERIOD as f32;
             assert!(mean.abs() < 0.1 && shifts.iter().all(|shift| shift[axis].abs() < 0.5), "{shifts:?}");

@@ -3,7 +3,7 @@
 use crate::study::columns::{Column, columns, figure, part, series, time};
 use crate::study::engine::Row;
 use crate::study::exhibit::{Chart, Clip, ClipGroup, Drawing, Line, Table};
-use crate::study::names::{cell_name, roughness};
+use crate::study::names::{cell_name, roughness_name};
 use crate::study::record::{Head, Provenance};
 use serde_json::Value;
 
@@ -73,7 +73,7 @@ columns! {
 
 impl VideoRecord {
     /// Returns a mean change divided by the flicker of the world reference; `None` if the reference does not change.
-    fn over_reference(&self, change: f64) -> Option<f64> {
+    fn per_reference_flicker(&self, change: f64) -> Option<f64> {
         (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
     }
 
@@ -81,7 +81,7 @@ impl VideoRecord {
     /// show together.
     fn group(&self) -> String {
         let Head { scene, view, width, height, .. } = &self.head;
-        format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness(self.head.roughness))
+        format!("{scene} {view}, {}, {width}x{height}, roughness {}", self.way, roughness_name(self.head.roughness))
     }
 
     /// Returns the path of a film of the record's cell in the folder of the run; `name` is a variant's name, or
@@ -120,8 +120,8 @@ impl Row for VideoRecord {
     /// Makes one table, with two further columns: the changes, divided by those of the world.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
         let more = [
-            Column::derived("flicker over the world's", 2, |r: &Self| r.over_reference(r.flicker)),
-            Column::derived("error of changes over it", 2, |r: &Self| r.over_reference(r.change_error)),
+            Column::derived("flicker over the world's", 2, |r: &Self| r.per_reference_flicker(r.flicker)),
+            Column::derived("error of changes over it", 2, |r: &Self| r.per_reference_flicker(r.change_error)),
         ];
         vec![Table { about: ABOUT.to_owned(), ..Table::with_columns("table", rows, more) }]
     }

@@ -20,11 +20,13 @@ pub enum CameraWay {
 }
 
 /// Speed of [`CameraWay::Walk`], in metres a second.
-const WALK: f32 = 1.4;
+const WALK_M_PER_S: f32 = 1.4;
 /// Speed of [`CameraWay::Stop`], in metres a second.
-const ASIDE: f32 = 1.0;
-/// Angle of [`CameraWay::Turn`] in degrees, and its duration in seconds.
-const TURN: (f32, f32) = (45.0, 0.2);
+const STOP_M_PER_S: f32 = 1.0;
+/// Angle of [`CameraWay::Turn`], in degrees.
+const TURN_DEGREES: f32 = 45.0;
+/// Duration of [`CameraWay::Turn`], in seconds.
+const TURN_S: f32 = 0.2;
 
 impl CameraWay {
     /// Returns the name of the way in records.
@@ -51,28 +53,27 @@ impl CameraWay {
 
     /// Returns the view of a frame, counted from 0, in a film of `frames` frames that is shown at `frames_per_second`.
     pub fn view(&self, frame: u32, frames: u32, frames_per_second: f32) -> View {
-        let last = frames.saturating_sub(1).max(1) as f32;
+        let last_frame = frames.saturating_sub(1).max(1) as f32;
         let seconds_of = |frames: u32| frames as f32 / frames_per_second;
         match self {
             Self::Path(path) => {
-                let (eye, look_at) = path.eye_and_look_at(frame as f32 / last);
+                let (eye, look_at) = path.eye_and_look_at(frame as f32 / last_frame);
                 View { eye, look_at, ..self.start() }
             }
             Self::Walk(view) => {
                 let ahead = view.look_at - view.eye;
-                let whole_m = (WALK * last / frames_per_second).min(0.5 * ahead.length());
-                let step = ahead.normalize_or_zero() * (whole_m * frame as f32 / last);
+                let walk_m = (WALK_M_PER_S * last_frame / frames_per_second).min(0.5 * ahead.length());
+                let step = ahead.normalize_or_zero() * (walk_m * frame as f32 / last_frame);
                 View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
             }
             Self::Turn(view) => {
-                let (degrees, seconds) = TURN;
-                let share = seconds_of(frame.saturating_sub(frames / 3)) / seconds;
-                let turned = Quat::from_rotation_y(degrees.to_radians() * share.min(1.0));
-                View { look_at: view.eye + turned * (view.look_at - view.eye), ..view.clone() }
+                let share = seconds_of(frame.saturating_sub(frames / 3)) / TURN_S;
+                let turn = Quat::from_rotation_y(TURN_DEGREES.to_radians() * share.min(1.0));
+                View { look_at: view.eye + turn * (view.look_at - view.eye), ..view.clone() }
             }
             Self::Stop(view) => {
                 let right = Vec3::Y.cross(view.look_at - view.eye).normalize_or_zero();
-                let step = right * (ASIDE * seconds_of(frame.min(frames / 3)));
+                let step = right * (STOP_M_PER_S * seconds_of(frame.min(frames / 3)));
                 View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
             }
             Self::Rest(view) => view.clone(),
@@ -89,20 +90,19 @@ mod tests {
         View { eye: Vec3::new(1.0, 1.5, 0.0), look_at: Vec3::new(1.0, 1.5, 2.0), ..View::default() }
     }
 
-    /// Tests the last view of a walk towards a point far away, and towards a near point.
     #[test]
-    fn who_walks_goes_ahead_and_no_farther_than_half_of_the_way() {
+    fn a_walk_leads_ahead_and_ends_at_half_of_the_distance_at_most() {
         let far = View { look_at: Vec3::new(1.0, 1.5, 100.0), ..view() };
         let last = |way: CameraWay| way.view(59, 60, 30.0);
         let walked = last(CameraWay::Walk(far.clone())).eye - far.eye;
-        assert!((walked - Vec3::Z * WALK * 59.0 / 30.0).length() < 1e-4, "{walked}");
+        assert!((walked - Vec3::Z * WALK_M_PER_S * 59.0 / 30.0).length() < 1e-4, "{walked}");
         let near = last(CameraWay::Walk(view()));
         assert!((near.eye - Vec3::new(1.0, 1.5, 1.0)).length() < 1e-5 && near.look_at.z == 3.0, "{near:?}");
         assert_eq!(CameraWay::Walk(view()).view(0, 60, 30.0), view());
     }
 
     #[test]
-    fn who_stops_goes_aside_for_a_third_of_the_film_and_rests() {
+    fn a_stop_moves_aside_for_a_third_of_the_film_and_rests() {
         let way = CameraWay::Stop(view());
         let moved = |frame| way.view(frame, 60, 30.0).eye - view().eye;
         assert_eq!(moved(0), Vec3::ZERO);
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn who_turns_rests_turns_to_the_right_and_rests() {
+    fn a_turn_rests_turns_to_the_right_and_rests() {
         let way = CameraWay::Turn(view());
         let ahead = |frame| (way.view(frame, 60, 30.0).look_at - view().eye).normalize();
         assert_eq!(ahead(20), ahead(0));

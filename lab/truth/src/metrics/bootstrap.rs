@@ -87,7 +87,7 @@ pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) ->
     // Width of the half of the interval that is on the side of 1.
     let toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
     // The factor by which the widths of the interval and of the noise floor must shrink.
-    let narrowed = if change > threshold {
+    let shrink_factor = if change > threshold {
         // For a faster or slower B, the interval must end beyond the threshold and beyond the noise floor, which
         // shrinks, too.
         ((change - threshold) / toward_one).min(change / (toward_one + floor))
@@ -95,7 +95,7 @@ pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) ->
         // For the same time, the upper and the lower half of the interval must lie within 1 ± threshold.
         ((1.0 + threshold - ratio) / (high - ratio)).min((ratio - 1.0 + threshold) / (ratio - low))
     };
-    let needed = n as f64 / (narrowed * narrowed);
+    let needed = n as f64 / (shrink_factor * shrink_factor);
     let is_foretold = needed.is_finite() && needed <= MOST_FORETOLD as f64;
     is_foretold.then(|| (needed.ceil() as u64).max(n as u64 + 1))
 }

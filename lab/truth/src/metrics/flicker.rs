@@ -5,7 +5,7 @@ use glam::{DMat4, DVec3, Vec3};
 use ssct_scenes::GBufferData;
 
 /// Returns the colour, or black if a channel is not finite.
-pub fn sound(color: Vec3) -> Vec3 {
+pub fn finite_or_black(color: Vec3) -> Vec3 {
     if color.is_finite() { color } else { Vec3::ZERO }
 }
 
@@ -21,7 +21,7 @@ pub struct SamePlace {
 /// four pixels of `before` around that place must reflect, too, and show the same surface. The surface itself is taken
 /// to stand still.
 pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
-    // View to clip space, clip to view space, and world to view space.
+    // The matrices from view to clip space, from clip to view space, and from world to view space.
     let matrices = |data: &GBufferData| {
         let projection = data.view_to_clip();
         (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())

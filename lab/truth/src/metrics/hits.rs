@@ -3,8 +3,8 @@
 use super::percentile;
 use serde::{Deserialize, Serialize};
 
-/// How a method's hits compare with the oracle's over the reflecting pixels. The four fractions are shares of the reflecting
-/// pixels and add up to 1; all are null if no pixel reflects.
+/// How a method's hits compare with the oracle's over the reflecting pixels. The four fractions are shares of the
+/// reflecting pixels and add up to 1; all are null if no pixel reflects.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HitAgreement {
     /// The number of reflecting pixels.

@@ -1,5 +1,5 @@
-//! The quality of a film compared with a reference film, in just-objectionable differences (JOD), by ColorVideoVDP (Mantiuk et
-//! al. 2024, "ColorVideoVDP: A visual difference predictor for image, video and display distortions").
+//! The quality of a film compared with a reference film, in just-objectionable differences (JOD), by ColorVideoVDP
+//! (Mantiuk et al. 2024, "ColorVideoVDP: A visual difference predictor for image, video and display distortions").
 
 use colorvideovdp::{Color, Cvvdp, DisplayModel, Geometry, Image, Options, Photometry};
 use ssct_ground::{Error, Result};

@@ -5,12 +5,12 @@
 use super::surface::{SurfacePoint, World, sky_color};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
-use ssct_geometry::bvh::{TriangleHit, WorldRay};
+use ssct_geometry::bvh::WorldRay;
 use ssct_scenes::{Camera, GBufferData, ProjectionKind};
 
-/// Greatest error of a depth in a G-buffer, as a share of the distance, or of the height of an orthographic image. Most devices
-/// round the position of a vertex to a 256th of a pixel, by at most half of this unit. The bound holds for surfaces whose depth
-/// changes by up to four times itself from pixel to pixel, which is steeper than an image can show.
+/// Greatest error of a depth in a G-buffer, as a share of the distance, or of the height of an orthographic image. Most
+/// devices round the position of a vertex to a 256th of a pixel, by at most half of this unit. The bound holds for
+/// surfaces whose depth changes by up to four times itself from pixel to pixel, steeper than an image can show.
 const STORED_DEPTH_ERROR: f64 = 1.0 / 128.0;
 
 /// The first surfaces of an image; rows from the top, pixel (i, j) at `j · width + i`.
@@ -110,14 +110,15 @@ impl PrimaryRays {
         let ndc = DVec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, 0.5);
         let point = self.clip_to_view.project_point3(ndc);
         // Direction in view space, and the view-space origin of a parallel ray, which begins beside the eye.
-        let (along, beside) = match self.kind {
+        let (view_direction, view_origin) = match self.kind {
             ProjectionKind::Perspective => (point.normalize(), None),
             ProjectionKind::Orthographic => (DVec3::Z, Some(DVec3::new(point.x, point.y, 0.0))),
         };
-        let direction = self.view_to_world.transform_vector3(along).normalize();
+        let direction = self.view_to_world.transform_vector3(view_direction).normalize();
         let eye = self.view_to_world.w_axis.truncate();
-        let origin = beside.map_or(eye, |point| self.view_to_world.transform_point3(point));
-        (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
+        let origin = view_origin.map_or(eye, |point| self.view_to_world.transform_point3(point));
+        let z_per_metre = view_direction.z;
+        (WorldRay { origin, direction, t_min: self.near_m / z_per_metre, t_max: self.far_m / z_per_metre }, z_per_metre)
     }
 
     /// Returns all numbers that the rays depend on, except the extent and the kind of projection, for a fingerprint.
@@ -136,10 +137,11 @@ impl FirstHits {
             .into_par_iter()
             .map(|index| {
                 let (ray, z_per_metre) = rays.ray(index);
-                match world.closest(&ray) {
-                    Some(hit) => Self::seen(world, &ray, &hit, z_per_metre),
-                    None => (sky_color(ray.direction).as_vec3(), f64::INFINITY, None),
-                }
+                let Some(hit) = world.closest(&ray) else {
+                    return (sky_color(ray.direction).as_vec3(), f64::INFINITY, None);
+                };
+                let point = world.point(&ray, &hit);
+                (world.color(&ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::hit_by(&ray, &point))
             })
             .collect();
         let mut first_hits = Self::empty(extent);
@@ -149,12 +151,6 @@ impl FirstHits {
             first_hits.receivers.push(receiver);
         }
         first_hits
-    }
-
-    /// Returns the lit colour, the view-space z in metres and the receiver of the point that a camera ray hits.
-    fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
-        let point = world.point(ray, hit);
-        (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::hit_by(ray, &point))
     }
 
     /// Takes the first hits from a G-buffer: positions from its depth, with its normals and materials.
@@ -188,7 +184,7 @@ impl FirstHits {
     /// millimetres beside the surface, so that rays from there would meet the surface itself. A point stays in place if
     /// the world has no surface near it.
     pub fn shown(world: &World, gbuffer: &GBufferData) -> Self {
-        Self::from_gbuffer(gbuffer).onto(world, gbuffer)
+        Self::from_gbuffer(gbuffer).moved_to_surfaces(world, gbuffer)
     }
 
     /// Takes the first hits as [`Self::shown`] does, but only pixel `index` has a receiver.
@@ -196,34 +192,30 @@ impl FirstHits {
         let mut first_hits = Self::from_gbuffer(gbuffer);
         let receiver = first_hits.receivers.get(index).copied().flatten();
         first_hits.receivers.fill(None);
-        if let Some(only) = first_hits.receivers.get_mut(index) {
-            *only = receiver;
+        if let Some(kept) = first_hits.receivers.get_mut(index) {
+            *kept = receiver;
         }
-        first_hits.onto(world, gbuffer)
+        first_hits.moved_to_surfaces(world, gbuffer)
     }
 
     /// Moves receivers from the points that the G-buffer's depths give to the points where the camera's rays meet a
     /// world, if a surface is there within [`STORED_DEPTH_ERROR`].
-    fn onto(self, world: &World, gbuffer: &GBufferData) -> Self {
-        let mut moved = self;
+    fn moved_to_surfaces(mut self, world: &World, gbuffer: &GBufferData) -> Self {
         let (kind, reach) = (gbuffer.camera.kind(), gbuffer.camera.reach_m(1.0));
         let eye = gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
-        moved.receivers.par_iter_mut().flatten().for_each(|receiver| {
+        self.receivers.par_iter_mut().flatten().for_each(|receiver| {
             let direction = receiver.incoming;
             let ray = match kind {
                 ProjectionKind::Perspective => {
-                    let stored = receiver.position.distance(eye);
-                    let [t_min, t_max] = [-STORED_DEPTH_ERROR, STORED_DEPTH_ERROR].map(|error| stored * (1.0 + error));
+                    let distance = receiver.position.distance(eye);
+                    let [t_min, t_max] =
+                        [-STORED_DEPTH_ERROR, STORED_DEPTH_ERROR].map(|error| distance * (1.0 + error));
                     WorldRay { origin: eye, direction, t_min, t_max }
                 }
                 ProjectionKind::Orthographic => {
                     let error = STORED_DEPTH_ERROR * reach;
-                    WorldRay {
-                        origin: receiver.position - error * direction,
-                        direction,
-                        t_min: 0.0,
-                        t_max: 2.0 * error,
-                    }
+                    let origin = receiver.position - error * direction;
+                    WorldRay { origin, direction, t_min: 0.0, t_max: 2.0 * error }
                 }
             };
             if let Some(hit) = world.closest(&ray) {
@@ -231,7 +223,7 @@ impl FirstHits {
                 (receiver.position, receiver.geometric_normal) = (point.position, point.geometric_normal);
             }
         });
-        moved
+        self
     }
 
     /// Returns first hits of an image of `extent` (width, height) pixels to which no pixel has been added yet.

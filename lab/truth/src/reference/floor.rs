@@ -31,7 +31,7 @@ impl<'a> ScreenFloor<'a> {
         let Self { screen, sums, .. } = self;
         let last = state.samples().saturating_add(samples);
         while let Some(stop) = sums.next_stop(last) {
-            reference.add_beside(state, stop, sums.open(), |sum, sample| {
+            reference.add_and_visit(state, stop, sums.open(), |sum, sample| {
                 let screen_color = sample.end.and_then(|end| screen.color(end, sample.direction));
                 // The screen does not show the light of further bounces, which is taken from the reference.
                 *sum += screen_color.map_or(sample.radiance, |color| color + sample.bounced);

@@ -1,6 +1,6 @@
 //! The thesis's Hi-Z ray tracing on the CPU, step by step (§4.2.7: Alg. 2, Alg. 4 and its listing): the twin of
-//! `shaders-glsl/thesis/hi_z_ray_trace.glsl`, in the same 32-bit floats and with the same departures from the thesis. Unlike
-//! the shader, it also records the cells and levels that a ray visited.
+//! `shaders-glsl/thesis/hi_z_ray_trace.glsl`. It has the same 32-bit floats and the same departures from the thesis.
+//! Unlike the shader, it also records the cells and levels that a ray visited.
 
 use super::Level;
 use super::hi_z::MinMax;
@@ -118,8 +118,8 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
         let left = ray.xy().cmplt(Vec2::ZERO).any() || ray.xy().cmpgt(Vec2::ONE).any();
         let below = !crossed && level == 0;
         level = if crossed { (level + 1).min(chain.len() - 1) } else { level.saturating_sub(1) };
-        // The checks have the shader's order: the loop body tests for the screen's edge, and then the loop's condition tests
-        // the level.
+        // The checks have the shader's order: the loop body tests for the screen's edge, and then the loop's condition
+        // tests the level.
         if left {
             break End::LeftScreen;
         }

@@ -1,6 +1,7 @@
-//! A second traversal, which uses a pyramid to find the oracle's hits in a tenth of the steps (docs/numerics.md, "What a robust
-//! method does", items 2 to 4). The Monte Carlo reference uses it. The traversal's agreement with [`super::oracle`] is evidence
-//! for both; the two share only the set-up of rays and the pixels' blocks, which have tests of their own.
+//! A second traversal, which uses a pyramid to find the oracle's hits in a tenth of the steps (docs/numerics.md, "What
+//! a robust method does", items 2 to 4). The Monte Carlo reference uses it. The traversal's agreement with
+//! [`super::oracle`] is evidence for both; the two share only the set-up of rays and the pixels' blocks, which have
+//! tests of their own.
 //!
 //! At every image size, a cell of level l covers exactly the pixels whose indices, shifted right by l, equal the cell's
 //! index. The cell stores the interval of reversed depth from the farthest back to the nearest front of its pixels'
@@ -54,29 +55,29 @@ impl<'a> Hierarchy<'a> {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// Traces a segment that begins on the screen, from cell to cell. The walk goes down a level where the ray may meet a
-    /// block, and up a level where the ray left the parent cell.
+    /// Traces a segment that begins on the screen, from cell to cell. The walk goes down a level where the ray may meet
+    /// a block, and up a level where the ray left the parent cell.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let sides = [self.levels[0].width, self.levels[0].height];
         // The walks along x and along y; their pixels are the column and the row in which the ray is.
-        let mut lanes = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
+        let mut walks = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut steps = 0;
         // The s at which the ray enters the current cell. The starting pixel is left without being tested.
-        let mut entry = lanes[0].exit(0).min(lanes[1].exit(0));
+        let mut entry = walks[0].exit(0).min(walks[1].exit(0));
         if entry >= 1.0 {
-            return self.miss(&lanes, segment, 1.0, steps);
+            return self.miss(&walks, segment, 1.0, steps);
         }
-        for lane in &mut lanes {
-            lane.advance(entry);
+        for walk in &mut walks {
+            walk.advance(entry);
         }
         let start = entry;
         let mut level = 0;
         loop {
-            let Some(cell) = self.cell(&lanes, level) else {
-                return self.miss(&lanes, segment, entry, steps);
+            let Some(cell) = self.cell(&walks, level) else {
+                return self.miss(&walks, segment, entry, steps);
             };
             steps += 1;
-            let exit = lanes[0].exit(level).min(lanes[1].exit(level));
+            let exit = walks[0].exit(level).min(walks[1].exit(level));
             // The ray's reversed depths over the cell; the greater one is nearer.
             let (near, far) = {
                 let (at_entry, at_exit) = (segment.depth_at(entry), segment.depth_at(exit.min(1.0)));
@@ -84,35 +85,35 @@ impl<'a> Hierarchy<'a> {
             };
             // By version 2, the first pixel cannot be hit if it may show the surface that the ray is leaving.
             let (is_version_2, is_first) = (self.version == OracleVersion::V2, entry == start);
-            let leaves = is_version_2 && is_first && self.inward(&lanes, segment) < 0.0;
-            if far <= cell.front && near >= cell.back && !leaves {
+            let leaves_surface = is_version_2 && is_first && self.inward(&walks, segment) < 0.0;
+            if far <= cell.front && near >= cell.back && !leaves_surface {
                 if level > 0 {
                     level -= 1;
                     continue;
                 }
-                if is_version_2 && !is_first && self.is_behind(&lanes, segment, entry, cell) {
+                if is_version_2 && !is_first && self.is_behind(&walks, segment, entry, cell) {
                     return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
-                return Trace { outcome: hit(segment, &lanes, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
+                return Trace { outcome: hit(segment, &walks, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
             }
             if exit >= 1.0 {
-                return self.miss(&lanes, segment, 1.0, steps);
+                return self.miss(&walks, segment, 1.0, steps);
             }
-            let parent = lanes.map(|lane| lane.pixel >> (level + 1));
-            for lane in &mut lanes {
-                lane.advance(exit);
+            let parent = walks.map(|walk| walk.pixel >> (level + 1));
+            for walk in &mut walks {
+                walk.advance(exit);
             }
             entry = exit;
-            let left_parent = parent != lanes.map(|lane| lane.pixel >> (level + 1));
+            let left_parent = parent != walks.map(|walk| walk.pixel >> (level + 1));
             if left_parent && level + 1 < self.levels.len() {
                 level += 1;
             }
         }
     }
 
-    /// Returns the interval of depth of the cell of a level that contains the current pixel; `None` off screen.
-    fn cell(&self, lanes: &[AxisWalk; 2], level: usize) -> Option<DepthBlock> {
-        let [x, y] = lanes.map(|lane| u32::try_from(lane.pixel).ok());
+    /// Returns the depth interval of the cell of a level that contains the current pixel; `None` off screen.
+    fn cell(&self, walks: &[AxisWalk; 2], level: usize) -> Option<DepthBlock> {
+        let [x, y] = walks.map(|walk| u32::try_from(walk.pixel).ok());
         let (x, y, finest) = (x?, y?, &self.levels[0]);
         (x < finest.width && y < finest.height).then(|| {
             let cells = &self.levels[level];
@@ -122,8 +123,8 @@ impl<'a> Hierarchy<'a> {
 
     /// Returns the cosine of the angle between a ray and the reversed normal of the current pixel. The cosine is
     /// negative if the ray runs away from the surface, and 0 without a normal.
-    fn inward(&self, lanes: &[AxisWalk; 2], segment: &Segment) -> f64 {
-        let [x, y] = lanes.map(|lane| lane.pixel as u32);
+    fn inward(&self, walks: &[AxisWalk; 2], segment: &Segment) -> f64 {
+        let [x, y] = walks.map(|walk| walk.pixel as u32);
         segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
     }
 
@@ -131,20 +132,20 @@ impl<'a> Hierarchy<'a> {
     /// the oracle, [`super::oracle`]). It does if it was behind the front of the pixel before. At an edge between the
     /// two surfaces, it also does if it is deeper in the block than the thickness times the cosine between ray and
     /// reversed normal.
-    fn is_behind(&self, lanes: &[AxisWalk; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
+    fn is_behind(&self, walks: &[AxisWalk; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
         let depth = segment.depth_at(entry);
-        let previous = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
+        let previous = self.cell(&walks.map(|walk| walk.just_before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
         let is_edge = block.front - previous.front > JOINED * (block.thickness() + previous.thickness());
-        let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * block.thickness();
-        depth < block.front && (depth < previous.front || is_edge && is_deep)
+        let is_deep = block.front - depth > self.inward(walks, segment).max(0.0) * block.thickness();
+        depth < block.front && (depth < previous.front || (is_edge && is_deep))
     }
 
-    /// Returns the miss of a ray that ends at s = `end`. The miss is behind if the ray ends behind the block of the
-    /// pixel in which it is just before its end.
-    fn miss(&self, lanes: &[AxisWalk; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
-        let last = lanes.map(|lane| lane.before(end));
+    /// Returns the miss of a ray that ends at the given s. Its reason is the side of the frustum at which the segment
+    /// ends. The miss is behind if the ray ends behind the block of the pixel in which it is just before s.
+    fn miss(&self, walks: &[AxisWalk; 2], segment: &Segment, s: f64, steps: u32) -> Trace {
+        let last = walks.map(|walk| walk.just_before(s));
         let behind =
-            self.cell(&last, 0).is_some_and(|block| block.front >= block.back && segment.depth_at(end) < block.back);
+            self.cell(&last, 0).is_some_and(|block| block.front >= block.back && segment.depth_at(s) < block.back);
         Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
     }
 }
@@ -166,7 +167,7 @@ fn coarser(below: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
 /// the front, or at the entry if the ray does not cross it in the pixel.
 fn hit(
     segment: &Segment,
-    lanes: &[AxisWalk; 2],
+    walks: &[AxisWalk; 2],
     front: f64,
     [entry, exit]: [f64; 2],
     [near, far]: [f64; 2],
@@ -176,7 +177,7 @@ fn hit(
     } else {
         entry
     };
-    Outcome::Hit { pixel: lanes.map(|lane| lane.pixel as u32), position: segment.point_at(s) }
+    Outcome::Hit { pixel: walks.map(|walk| walk.pixel as u32), position: segment.point_at(s) }
 }
 
 /// The walk of a ray along one axis of the image.
@@ -205,10 +206,11 @@ impl<'s> AxisWalk<'s> {
     }
 
     /// Returns the s at which the ray leaves the cell of the given level that contains the current pixel. The last cell
-    /// may extend beyond the screen; then the ray leaves it at the screen's edge, to which the ray's end is rounded.
+    /// may extend beyond the screen. The ray leaves it at the screen's edge, where it also ends but for rounding.
     fn exit(&self, level: usize) -> f64 {
         let cell = self.pixel >> level;
-        self.crossing(((if self.direction > 0 { cell + 1 } else { cell }) << level).min(self.side))
+        let cell_after_boundary = if self.direction > 0 { cell + 1 } else { cell };
+        self.crossing((cell_after_boundary << level).min(self.side))
     }
 
     /// Returns the s at which the ray crosses the boundary before column (or row) `boundary`.
@@ -224,7 +226,7 @@ impl<'s> AxisWalk<'s> {
 
     /// Returns the walk at the column (or row) in which the ray is just before s, past every boundary that it crosses
     /// before s.
-    fn before(&self, s: f64) -> Self {
+    fn just_before(&self, s: f64) -> Self {
         Self { pixel: self.pixel_at(s, |crossing| crossing < s), ..*self }
     }
 
@@ -236,7 +238,7 @@ impl<'s> AxisWalk<'s> {
             return self.first;
         }
         let mut pixel = self.segment.point_at(s)[self.axis].floor() as i32;
-        // Offsets from a pixel to the boundary at which the ray leaves it, and to the boundary at which the ray entered.
+        // Offsets from a pixel to the boundaries at which the ray leaves it and at which it entered it.
         let (ahead, behind) = if self.direction > 0 { (1, 0) } else { (0, 1) };
         while crossed(self.crossing(pixel + ahead)) {
             pixel += self.direction;

@@ -1,8 +1,8 @@
 //! The oracle of images (docs/definitions.md, "Images"): finds where a reflection ray hits in the screen and in
 //! captures by examining every pixel on its path, in f64. The code is slow, short and meant to be read.
 //!
-//! The screen is one image of the scene, and each face of a capture is another. In each image the ray is a straight line over a
-//! field of blocks, as in [`super::oracle`].
+//! The screen is one image of the scene, and each face of a capture is another. In each image the ray is a straight
+//! line over a field of blocks, as in [`super::oracle`].
 //!
 //! - **The screen** shows where a ray hits by version 2 of the oracle, as long as it sees the ray. The screen loses a
 //!   ray at the first pixel whose block the ray passes behind, or where a miss ends. A ray that leaves through the far
@@ -108,8 +108,8 @@ enum FollowEnd {
     Sky,
     /// The face or the capture does not show where the ray goes.
     Lost,
-    /// The ray left a face by a side.
-    On {
+    /// The ray left a face by a side, and goes on in the next face.
+    NextFace {
         /// World axis that points out of the side by which the ray left.
         side: DVec3,
         /// Thickness, in reversed depth, of the last block that the ray passed.
@@ -185,7 +185,8 @@ impl<'a> ImageOracle<'a> {
             let [first, nearest] = [segment.depth_at(entry), segment.depth_at(entry).max(segment.depth_at(exit))];
             let is_behind = nearest < block.back && block != DepthBlock::EMPTY;
             let met = oracle::meets(&segment, block, entry, exit);
-            if is_behind || met.is_some() && steps > 1 && self.screen.comes_from_behind(first, last, block, along) {
+            let from_behind = steps > 1 && self.screen.comes_from_behind(first, last, block, along);
+            if is_behind || (met.is_some() && from_behind) {
                 lost_at = Some(entry);
                 break;
             }
@@ -210,10 +211,10 @@ impl<'a> ImageOracle<'a> {
             }
             let Some(index) = self.nearest_seeing_capture(point, &excluded) else { return EndInImages::Unknown };
             let cube = &self.captures[index];
-            let (how, offset) = cube.follow(point - cube.place, lost.direction);
+            let (end, offset) = cube.follow(point - cube.place, lost.direction);
             let place = offset + cube.place;
             let distance_along = |to: DVec3| (to - lost.start).dot(lost.direction);
-            match how {
+            match end {
                 FollowEnd::Sky => return EndInImages::Sky,
                 FollowEnd::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
                 _ => {}
@@ -272,13 +273,13 @@ impl Cube<'_> {
     /// Follows a ray from face to face, beginning at a point that the capture sees. Returns how the ray ends, and the
     /// place of its end. Both points are relative to the capture's place, in world axes, in metres.
     fn follow(&self, point: DVec3, direction: DVec3) -> (FollowEnd, DVec3) {
-        let (mut face, mut position, mut before) = (self.cube_face(point), point, 0.0);
+        let (mut face, mut position, mut last_thickness) = (self.cube_face(point), point, 0.0);
         // A line crosses each of the six planes between faces at most once, so that it visits at most seven faces.
         for _ in 0..7 {
-            let (how, reached) = face.follow(position, direction, before);
+            let (end, reached) = face.follow(position, direction, last_thickness);
             position = reached;
-            let FollowEnd::On { side, thickness } = how else { return (how, position) };
-            (face, before) = (self.cube_face(side), thickness);
+            let FollowEnd::NextFace { side, thickness } = end else { return (end, position) };
+            (face, last_thickness) = (self.cube_face(side), thickness);
         }
         (FollowEnd::Lost, position)
     }
@@ -291,9 +292,9 @@ impl Face<'_> {
     }
 
     /// Follows a ray over the face, from a point in it. Returns how the ray ends, and the place of its end. Point,
-    /// direction and place are in world axes, and both points are relative to the capture's place. `before` is the
-    /// thickness of the block at which the ray left the previous face, or 0.
-    fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (FollowEnd, DVec3) {
+    /// direction and place are in world axes, and both points are relative to the capture's place. `last_thickness`
+    /// is the thickness of the block at which the ray left the previous face, or 0.
+    fn follow(&self, point: DVec3, direction: DVec3, last_thickness: f64) -> (FollowEnd, DVec3) {
         let (image, rays) = (&self.image, &self.image.rays);
         let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {
             return (FollowEnd::Lost, point);
@@ -319,7 +320,7 @@ impl Face<'_> {
             let is_lost = match last {
                 _ if along > 0.0 => true,
                 Some(last) => image.comes_from_behind(first, last, block, along),
-                None => first < block.back - before,
+                None => first < block.back - last_thickness,
             };
             if is_lost {
                 return (FollowEnd::Lost, place(entry));
@@ -327,12 +328,12 @@ impl Face<'_> {
             let s = oracle::meets(&segment, block, entry, exit).map_or(entry, |(s, _)| s);
             return (FollowEnd::Hit, place(s));
         }
-        let how = match segment.end {
-            MissReason::LeftScreen => FollowEnd::On { side: self.side_at(&segment), thickness },
+        let end = match segment.end {
+            MissReason::LeftScreen => FollowEnd::NextFace { side: self.side_at(&segment), thickness },
             MissReason::Far => FollowEnd::Sky,
             _ => FollowEnd::Lost,
         };
-        (how, place(1.0))
+        (end, place(1.0))
     }
 
     /// Returns the world axis that points out of the side through which a segment leaves the face: of the sides towards
@@ -346,7 +347,7 @@ impl Face<'_> {
             (end.y, DVec3::Y, segment.delta.y < 0.0),
             (side - end.y, DVec3::NEG_Y, segment.delta.y > 0.0),
         ];
-        let left = sides.into_iter().filter(|(.., towards)| *towards).min_by(|a, b| a.0.total_cmp(&b.0));
+        let left = sides.into_iter().filter(|(.., towards)| *towards).min_by(|(a, ..), (b, ..)| a.total_cmp(b));
         self.view_to_world * left.map_or(DVec3::X, |(_, axis, _)| axis)
     }
 }

@@ -100,7 +100,7 @@ impl<'a> Oracle<'a> {
     /// Traces a segment that begins on the screen, by docs/definitions.md, "Oracle", item 4.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         // Whether a meeting ends the ray, and how.
-        let ends = |meeting: Meeting| {
+        let decide = |meeting: Meeting| {
             let Meeting { pixel, position, approach, steps, .. } = meeting;
             let outcome = match approach {
                 _ if self.version == OracleVersion::V1 => Outcome::Hit { pixel, position },
@@ -110,7 +110,7 @@ impl<'a> Oracle<'a> {
             };
             ControlFlow::Break(Trace { outcome, steps })
         };
-        match self.walk(segment, ends) {
+        match self.walk(segment, decide) {
             ControlFlow::Break(trace) | ControlFlow::Continue(trace) => trace,
         }
     }
@@ -158,15 +158,15 @@ impl<'a> Oracle<'a> {
     pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = PassedPixel> {
         let sides = [self.blocks.width, self.blocks.height].map(|side| side as i32);
         let first = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
-        let leaves = |pixel: [i32; 2]| [0, 1].map(|axis| leaves(segment, axis, pixel[axis]));
+        let exits = |pixel: [i32; 2]| [0, 1].map(|axis| axis_exit(segment, axis, pixel[axis]));
         let passed = move |pixel: [i32; 2], last, entry: f64| {
-            let [x, y] = leaves(pixel);
-            PassedPixel { pixel, last, entry, exit: x.min(y).min(1.0) }
+            let [x_exit, y_exit] = exits(pixel);
+            PassedPixel { pixel, last, entry, exit: x_exit.min(y_exit).min(1.0) }
         };
         std::iter::successors(Some(passed(first, None, 0.0)), move |PassedPixel { pixel, exit, .. }| {
-            let next = leaves(*pixel);
+            let next_exits = exits(*pixel);
             let step = |axis: usize| if segment.delta[axis] > 0.0 { 1 } else { -1 };
-            let onward = [0, 1].map(|axis| pixel[axis] + if next[axis] <= *exit { step(axis) } else { 0 });
+            let onward = [0, 1].map(|axis| pixel[axis] + if next_exits[axis] <= *exit { step(axis) } else { 0 });
             let is_inside = [0, 1].into_iter().all(|axis| (0..sides[axis]).contains(&onward[axis]));
             (*exit < 1.0 && is_inside).then(|| passed(onward, Some(*pixel), *exit))
         })
@@ -187,10 +187,10 @@ impl<'a> Oracle<'a> {
         block: DepthBlock,
         along_normal: f64,
     ) -> bool {
-        let before = self.block(last).unwrap_or(DepthBlock::EMPTY);
-        let is_joined = block.front - before.front <= JOINED * (block.thickness() + before.thickness());
+        let last = self.block(last).unwrap_or(DepthBlock::EMPTY);
+        let is_joined = block.front - last.front <= JOINED * (block.thickness() + last.thickness());
         let at_rim = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
-        entry_depth < block.front && (entry_depth < before.front || !(is_joined || at_rim))
+        entry_depth < block.front && (entry_depth < last.front || !(is_joined || at_rim))
     }
 
     /// Returns the block of pixel (x, y); `None` off screen.
@@ -209,7 +209,7 @@ impl<'a> Oracle<'a> {
 }
 
 /// Returns the s at which the segment leaves the column (axis 0) or row (axis 1) number `pixel`.
-fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
+fn axis_exit(segment: &Segment, axis: usize, pixel: i32) -> f64 {
     segment.crossing(axis, if segment.delta[axis] > 0.0 { pixel + 1 } else { pixel })
 }
 

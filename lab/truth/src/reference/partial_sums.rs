@@ -77,11 +77,11 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
             last.samples += stop - self.end;
         }
         self.end = stop;
-        self.join();
+        self.join_halves();
     }
 
     /// Joins the last two parts as long as they are the two halves of a larger subtree.
-    fn join(&mut self) {
+    fn join_halves(&mut self) {
         while let [.., left, right] = &mut self.parts[..] {
             let are_halves = left.samples == right.samples && left.samples.is_multiple_of(LEAF);
             let begins_subtree = u64::from(left.first).is_multiple_of(2 * u64::from(left.samples.max(1)));
@@ -94,8 +94,8 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         }
     }
 
-    /// Appends the sums of the samples that follow these. Returns false, and adds nothing, if `next` does not begin where these
-    /// sums end, does not begin with a leaf, or has another number of pixels.
+    /// Appends the sums of the samples that follow these. Returns false, and adds nothing, if `next` does not begin
+    /// where these sums end, does not begin with a leaf, or has another number of pixels.
     #[must_use]
     pub fn append(&mut self, next: Self) -> bool {
         if next.first != self.end || !next.first.is_multiple_of(LEAF) || next.pixels != self.pixels {
@@ -103,7 +103,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         }
         for part in next.parts {
             self.parts.push(part);
-            self.join();
+            self.join_halves();
         }
         self.end = next.end;
         true
@@ -131,28 +131,28 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
     }
 
     /// Returns the sums in the order in which files keep them: the sums of all pixels, part by part.
-    pub fn kept(&self) -> impl Iterator<Item = &S> {
+    pub fn in_file_order(&self) -> impl Iterator<Item = &S> {
         self.parts.iter().flat_map(|part| &part.sums)
     }
 
-    /// Restores the sums of the samples from `first` to before `end` from the result of [`Self::kept`]; `None` if there are too
-    /// few sums or too many.
-    pub fn from_kept(first: u32, end: u32, pixels: usize, mut kept: impl Iterator<Item = S>) -> Option<Self> {
+    /// Restores the sums of the samples from `first` to before `end` from the result of [`Self::in_file_order`]; `None`
+    /// if there are too few sums or too many.
+    pub fn from_file_order(first: u32, end: u32, pixels: usize, mut stored: impl Iterator<Item = S>) -> Option<Self> {
         let mut sums = Self::new(first, pixels);
         for (first, samples) in parts(first, end) {
-            let part = Part { first, samples, sums: kept.by_ref().take(pixels).collect() };
+            let part = Part { first, samples, sums: stored.by_ref().take(pixels).collect() };
             if part.sums.len() != pixels {
                 return None;
             }
             sums.parts.push(part);
         }
         sums.end = end;
-        kept.next().is_none().then_some(sums)
+        stored.next().is_none().then_some(sums)
     }
 }
 
-/// Splits the samples `first..end` into the parts of the tree that they fill. Returns the first sample of each part, and the number of
-/// its samples. `first` is a multiple of [`LEAF`].
+/// Splits the samples `first..end` into the parts of the tree that they fill. Returns the first sample of each part,
+/// and the number of its samples. `first` is a multiple of [`LEAF`].
 pub fn parts(first: u32, end: u32) -> Vec<(u32, u32)> {
     let (mut start, end, leaf) = (u64::from(first), u64::from(end), u64::from(LEAF));
     let mut parts = Vec::new();
@@ -227,15 +227,17 @@ mod tests {
             for (n, count) in leaves.iter().enumerate() {
                 let stop = if n + 1 == leaves.len() { end } else { start + LEAF * count };
                 let part = summed(start, stop, at_once);
-                let kept = PartialSums::from_kept(start, stop, 3, part.kept().copied());
-                prop_assert!(merged.append(kept.expect("as many as there are")));
+                let restored = PartialSums::from_file_order(start, stop, 3, part.in_file_order().copied());
+                prop_assert!(merged.append(restored.expect("as many as there are")));
                 start = stop;
             }
             prop_assert_eq!(&merged, &whole);
             prop_assert!(!merged.clone().append(summed(end / LEAF * LEAF + LEAF, end + 4 * LEAF, 64)), "a gap");
-            let more = whole.kept().copied().chain([0.0]);
-            prop_assert!(PartialSums::from_kept(0, end, 3, more).is_none(), "one sum too many");
-            prop_assert!(end == 0 || PartialSums::from_kept(0, end, 3, whole.kept().copied().skip(1)).is_none());
+            let sums: Vec<_> = whole.in_file_order().copied().collect();
+            let more = sums.iter().copied().chain([0.0]);
+            prop_assert!(PartialSums::from_file_order(0, end, 3, more).is_none(), "one sum too many");
+            let fewer = sums.into_iter().skip(1);
+            prop_assert!(end == 0 || PartialSums::from_file_order(0, end, 3, fewer).is_none(), "one sum too few");
         }
     }
 }

@@ -26,9 +26,9 @@ const NUMBERS_OF_A_SURFACE: u64 = 5;
 /// number of bounces, direct light is the same for each.
 const NUMBERS_OF_A_PATH: u64 = 1 << 12;
 /// Exponent of the Phong lobe around the normal that equals the cosine distribution.
-const COSINE: f64 = 1.0;
+const COSINE_EXPONENT: f64 = 1.0;
 /// Share of a shadow ray's length, at its end, that is not traced, since the light itself may be hit there.
-const LIGHT_ITSELF: f64 = 1e-6;
+const UNTRACED_AT_LIGHT: f64 = 1e-6;
 
 /// A rectangle that emits light on one side, in world space.
 struct Panel {
@@ -92,8 +92,8 @@ impl<'a> Paths<'a> {
                 return if bounce == 0 { point.albedo } else { light };
             }
             share *= point.albedo;
-            light += share * self.direct(&point, [0, 1, 2].map(|k| number(first + k)));
-            let direction = lobe_direction(point.normal, COSINE, [3, 4].map(|k| number(first + k)));
+            light += share * self.light_from_a_panel(&point, [0, 1, 2].map(|k| number(first + k)));
+            let direction = lobe_direction(point.normal, COSINE_EXPONENT, [3, 4].map(|k| number(first + k)));
             ray = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         }
         light
@@ -101,10 +101,10 @@ impl<'a> Paths<'a> {
 
     /// Returns the radiance of a diffuse surface, divided by its albedo, that comes from one random point of the
     /// lights. The three random numbers (0 to 1) choose the panel and the place on it.
-    fn direct(&self, point: &SurfacePoint, [which, u, v]: [f64; 3]) -> DVec3 {
+    fn light_from_a_panel(&self, point: &SurfacePoint, [choice, u, v]: [f64; 3]) -> DVec3 {
         let total_area: f64 = self.panels.iter().map(|panel| panel.area).sum();
         // A panel is chosen with a probability in proportion to its area.
-        let mut area_left = which * total_area;
+        let mut area_left = choice * total_area;
         let chosen = self.panels.iter().find(|panel| {
             area_left -= panel.area;
             area_left < 0.0
@@ -119,7 +119,7 @@ impl<'a> Paths<'a> {
         if light_cosine * surface_cosine <= 0.0 || point.geometric_normal.dot(direction) <= 0.0 {
             return DVec3::ZERO;
         }
-        let t_max = length * (1.0 - LIGHT_ITSELF);
+        let t_max = length * (1.0 - UNTRACED_AT_LIGHT);
         let shadow = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max };
         if self.world.closest(&shadow).is_some() {
             return DVec3::ZERO;
@@ -216,8 +216,8 @@ mod tests {
         };
         let seen = |bounces| seen_below(&scene, Vec3::new(0.5, 0.0, 0.2), bounces, 4096).x;
         let direct = seen(0);
-        // The lamp's flux is spread evenly over the sphere; each surface multiplies it by the albedo, and radiance is flux over
-        // π.
+        // The lamp's flux is spread evenly over the sphere; each surface multiplies it by the albedo, and radiance is
+        // flux over π.
         let even = std::f32::consts::PI * 10.0 * 0.04 / (4.0 * std::f32::consts::PI) / std::f32::consts::PI;
         for bounces in [1, 2, 4] {
             let expected: f32 = (1..=bounces).map(|n| even * 0.6_f32.powi(n + 1)).sum();

@@ -43,8 +43,8 @@ pub enum UnseenReason {
         /// View-space z of the hiding surface, in metres.
         view_z_m: f64,
     },
-    /// The picture shows a surface farther away than the place, because it does not draw the place. The place may lie before
-    /// the near plane, or on the back of a one-sided surface.
+    /// The picture shows a surface farther away than the place, because it does not draw the place. The place may lie
+    /// before the near plane, or on the back of a one-sided surface.
     NotDrawn {
         /// View-space z of the surface shown, in metres; infinite for sky.
         view_z_m: f64,
@@ -86,12 +86,12 @@ impl PixelInWorld {
                 None => UnseenReason::BehindEye,
                 Some(place) => match screen.index(place) {
                     None => UnseenReason::OffScreen,
-                    Some(end_pixel) => names.before(end_pixel, first_hits.view_z_m[end_pixel], view_z_m),
+                    Some(end_pixel) => names.reason_unseen(end_pixel, first_hits.view_z_m[end_pixel], view_z_m),
                 },
             }),
             _ => None,
         };
-        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|triangle| names.hit(&triangle)), unseen }
+        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|triangle| names.mesh_name(&triangle)), unseen }
     }
 }
 
@@ -103,19 +103,19 @@ struct Names<'a> {
 
 impl Names<'_> {
     /// Returns the name of the mesh of a hit triangle.
-    fn hit(&self, hit: &TriangleHit) -> String {
+    fn mesh_name(&self, hit: &TriangleHit) -> String {
         let mesh = self.world.triangle(hit).mesh as usize;
         self.world.scene.meshes.get(mesh).map_or_else(String::new, |mesh| mesh.name.clone())
     }
 
     /// Returns the name of the mesh that the centre of pixel `index` shows; `None` for sky.
     fn shown_at(&self, index: usize) -> Option<String> {
-        self.world.closest(&self.rays.ray(index).0).map(|hit| self.hit(&hit))
+        self.world.closest(&self.rays.ray(index).0).map(|hit| self.mesh_name(&hit))
     }
 
     /// Returns why a pixel does not show a place that projects into it. `shown_z_m` is the view-space z of the surface
     /// that the pixel shows, and `place_z_m` that of the place, in metres.
-    fn before(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> UnseenReason {
+    fn reason_unseen(&self, pixel: usize, shown_z_m: f64, place_z_m: f64) -> UnseenReason {
         if shown_z_m < place_z_m {
             UnseenReason::Hidden { by: self.shown_at(pixel), view_z_m: shown_z_m }
         } else {
@@ -135,7 +135,7 @@ pub fn references(
 ) -> (EstimatedColor, EstimatedColor) {
     let mut mask = vec![false; gbuffer.depth.len()];
     mask[index] = gbuffer.reflects(index);
-    let (screen, world) = of_mask(world, gbuffer, &mask, first_hits, sampling);
+    let (screen, world) = references_in(world, gbuffer, &mask, first_hits, sampling);
     (screen[index], world[index])
 }
 
@@ -146,12 +146,12 @@ pub fn all_references(
     gbuffer: &GBufferData,
     sampling: PixelSampling,
 ) -> (Vec<EstimatedColor>, Vec<EstimatedColor>) {
-    of_mask(world, gbuffer, &gbuffer.reflecting(), &FirstHits::shown(world, gbuffer), sampling)
+    references_in(world, gbuffer, &gbuffer.reflecting(), &FirstHits::shown(world, gbuffer), sampling)
 }
 
 /// Returns the reflections of all pixels by the screen reference and by the world reference, in this order. The screen
 /// reference is black outside the mask, and the world reference where `first_hits` has no receiver.
-fn of_mask(
+fn references_in(
     world: &World,
     gbuffer: &GBufferData,
     mask: &[bool],
@@ -172,7 +172,7 @@ fn of_mask(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
@@ -186,7 +186,7 @@ mod tests {
 
     /// Returns a scene and its camera: a mirror floor 1 m below the eye, a wall at z = 4 m that does not reflect, and
     /// `more` meshes.
-    fn room(more: Vec<Mesh>) -> (Scene, Camera) {
+    pub fn room(more: Vec<Mesh>) -> (Scene, Camera) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
         let scene = Scene {
@@ -203,7 +203,7 @@ mod tests {
     }
 
     /// Returns the analysis of a pixel in an image of 40 × 40 pixels of the room with `more` meshes.
-    fn seen(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
+    fn analysed(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
         let (scene, camera) = room(more);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
@@ -213,14 +213,14 @@ mod tests {
 
     #[test]
     fn what_stands_where_the_ray_ends_and_what_hides_it_have_names() {
-        let open = seen(Vec::new(), [20, 38]);
+        let open = analysed(Vec::new(), [20, 38]);
         assert_eq!((open.mesh.as_deref(), open.end_mesh.as_deref()), (Some("floor"), Some("wall")));
         assert!(open.unseen.is_none() && open.end.visible_at().is_some(), "{open:?}");
         // A plate at z = 2 hangs above the ray, and hides the place where the ray ends.
         let WorldHit::Hit { position, .. } = open.end else { panic!("{open:?}") };
         let middle = (0.5 * position).as_vec3();
         let plate = rectangle(middle - Vec3::new(0.3, 0.05, 0.0), 0.1 * Vec3::Y, 0.6 * Vec3::X, 1);
-        let hidden = seen(vec![named("plate", plate)], [20, 38]);
+        let hidden = analysed(vec![named("plate", plate)], [20, 38]);
         assert_eq!(hidden.end_mesh.as_deref(), Some("wall"), "{hidden:?}");
         let Some(UnseenReason::Hidden { by, view_z_m }) = hidden.unseen else { panic!("{hidden:?}") };
         assert!(by.as_deref() == Some("plate") && (view_z_m - 2.0).abs() < 1e-3, "{by:?} {view_z_m}");
@@ -229,9 +229,10 @@ mod tests {
     #[test]
     fn places_beside_the_picture_and_pixels_without_a_ray_are_told_apart() {
         // The wall itself does not reflect.
-        let wall = seen(Vec::new(), [20, 5]);
+        let wall = analysed(Vec::new(), [20, 5]);
         assert_eq!((wall.mesh.as_deref(), wall.end), (Some("wall"), WorldHit::NotReflecting));
-        // The camera looks down, so that the horizon is at the picture's upper side. Rays meet the low ceiling before the wall.
+        // The camera looks down, so that the horizon is at the picture's upper side. Rays meet the low ceiling before
+        // the wall.
         let ceiling = rectangle(Vec3::new(-9.0, 0.9, 0.0), 18.0 * Vec3::X, 4.0 * Vec3::Z, 1);
         let (scene, _) = room(vec![named("ceiling", ceiling)]);
         let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), lens(), 1.0);

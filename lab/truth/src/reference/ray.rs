@@ -1,8 +1,8 @@
 //! Reflection rays in the image, in f64: their set-up and clipping (docs/definitions.md, "Oracle", items 1 and 2;
 //! docs/numerics.md, "What a robust method does", item 1), and the ways in which they can end.
 //!
-//! The oracle and the hierarchical traversal start from the same [`Segment`] and use its expressions to find where a pixel
-//! boundary is crossed. Both therefore see the same depths at the same places and can be compared exactly.
+//! The oracle and the hierarchical traversal start from the same [`Segment`] and use its expressions to find where a
+//! pixel boundary is crossed. Both therefore see the same depths at the same places and can be compared exactly.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 use ssct_scenes::GBufferData;
@@ -148,13 +148,13 @@ impl<'a> RaySetup<'a> {
     pub fn segment(&self, x: u32, y: u32, direction: DVec3) -> Option<Segment> {
         let depth = f64::from(self.gbuffer.depth[self.gbuffer.index(x, y)]);
         let start = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, depth);
-        self.cut(start, self.position(x, y)?, direction)
+        self.visible_segment(start, self.position(x, y)?, direction)
     }
 
     /// Returns the visible part of the ray from any point in view space; `None` for a direction of length zero, or if
     /// the point is not ahead of the eye of a perspective camera.
     pub fn segment_from(&self, point: DVec3, direction: DVec3) -> Option<Segment> {
-        self.cut(self.gbuffer.project(point, &self.view_to_clip)?, point, direction)
+        self.visible_segment(self.gbuffer.project(point, &self.view_to_clip)?, point, direction)
     }
 
     /// Returns the view-space point at continuous pixel coordinates and a reversed depth.
@@ -170,7 +170,7 @@ impl<'a> RaySetup<'a> {
 
     /// Returns the ray from a point in view space, which projects to `start`, cut where it leaves the frustum. `None`
     /// for a direction of length zero and for rays that are not finite.
-    fn cut(&self, start: DVec3, point: DVec3, direction: DVec3) -> Option<Segment> {
+    fn visible_segment(&self, start: DVec3, point: DVec3, direction: DVec3) -> Option<Segment> {
         let direction = direction.try_normalize()?;
         let from = self.view_to_clip * point.extend(1.0);
         let along = self.view_to_clip * direction.extend(0.0);
@@ -199,8 +199,8 @@ fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
         (p.z, d.z, MissReason::Far),
     ];
     // P is inside by definition; a value below 0 (at the near plane) is a rounding error.
-    let ends = planes.into_iter().filter(|(_, rate, _)| *rate < 0.0);
-    ends.map(|(value, rate, reason)| (value.max(0.0) / -rate, reason)).min_by(|a, b| a.0.total_cmp(&b.0))
+    let planes_ahead = planes.into_iter().filter(|(_, rate, _)| *rate < 0.0);
+    planes_ahead.map(|(value, rate, reason)| (value.max(0.0) / -rate, reason)).min_by(|(a, _), (b, _)| a.total_cmp(b))
 }
 
 #[cfg(test)]
@@ -237,7 +237,8 @@ mod tests {
             let position = setup.position(x, y).expect("no sky");
             let point = position + direction.normalize() * t * z;
             let projected = g.project(point, &g.view_to_clip());
-            if let Some(p) = projected.filter(|p| (*p / size).cmpge(DVec3::ZERO).all() && (*p / size).cmple(DVec3::ONE).all()) {
+            let is_inside = |p: &DVec3| (*p / size).cmpge(DVec3::ZERO).all() && (*p / size).cmple(DVec3::ONE).all();
+            if let Some(p) = projected.filter(is_inside) {
                 let (a, b) = ((p - segment.start) / size, segment.delta / size);
                 prop_assert!(a.cross(b).length() < 1e-9 && a.dot(b) >= -1e-9, "{p} is off {segment:?}");
             }

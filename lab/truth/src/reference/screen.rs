@@ -2,12 +2,12 @@
 //! integration over each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its
 //! standard error. Rays hit what they hit by the oracle.
 //!
-//! Each sample reflects the camera ray through a random place within the pixel. A G-buffer has one position and one normal for
-//! the whole pixel. The reflected ray therefore leaves from the position of the pixel's centre, and the normal of the centre is
-//! used.
+//! Each sample reflects the camera ray through a random place within the pixel. A G-buffer has one position and one
+//! normal for the whole pixel. The reflected ray therefore leaves from the position of the pixel's centre, and the
+//! normal of the centre is used.
 //!
-//! With several bounces (docs/definitions.md, "Bounces") a sample goes on from the pixel that it hits: from the pixel's centre,
-//! along one direction of the lobe around the mirror direction of the incoming ray.
+//! With several bounces (docs/definitions.md, "Bounces") a sample goes on from the pixel that it hits: from the pixel's
+//! centre, along one direction of the lobe around the mirror direction of the incoming ray.
 //!
 //! Samples are independent. Stratified samples would lower the error, but the estimate of the error would then be too
 //! large by an unknown factor. That estimate is what makes the reference trustworthy.
@@ -28,7 +28,7 @@ pub const MIRROR_SAMPLES_MIN: u32 = 16;
 /// Parameters of the sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Rays per pixel; if there are fewer than two, the error is unknown. A mirror takes at least [`MIRROR_SAMPLES_MIN`].
+    /// Rays per pixel; with fewer than two, the error is unknown. A mirror takes at least [`MIRROR_SAMPLES_MIN`].
     pub samples: u32,
     /// Seed of the random numbers; another seed gives an independent image.
     pub seed: u64,
@@ -47,17 +47,16 @@ pub struct ScreenReference {
     pub height: u32,
     /// Mean colour, linear, rows from the top; black outside the mask, and where no ray hit anything.
     pub color: Vec<Vec3>,
-    /// Standard error of the mean, per channel; 0 outside the mask, infinite if a lobe
-    /// has a single sample.
+    /// Standard error of the mean, per channel; 0 outside the mask, infinite if a lobe has a single sample.
     pub standard_error: Vec<Vec3>,
-    /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the expected RMSE of the
-    /// reference itself. 0 if the mask is empty.
+    /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the expected RMSE of
+    /// the reference itself. 0 if the mask is empty.
     pub overall_standard_error: f64,
 }
 
 impl ScreenReference {
-    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); other pixels stay black. `progress` is called after
-    /// each row, from any thread. The image depends only on the G-buffer, the mask and the sampling, not on threads.
+    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); other pixels stay black. `progress` is
+    /// called after each row, from any thread. The image depends only on G-buffer, mask and sampling, not on threads.
     ///
     /// # Panics
     /// If the mask differs in size from the G-buffer.
@@ -115,11 +114,11 @@ impl Pixels<'_> {
         let stream = Stream::new(seed, index as u64);
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
         // Further bounces use numbers from 2⁴⁰ on; those of the first bounce are less than 2³⁴.
-        let seen = |i: u64, direction| self.seen([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
+        let color = |i: u64, direction| self.ray_color([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
         let sample = |i| {
             let [u, v] = numbers(4 * i + 2);
             let mirror = rays.camera_ray(f64::from(x) + u, f64::from(y) + v).reflect(normal);
-            seen(i, lobe_direction(mirror, exponent, numbers(4 * i)))
+            color(i, lobe_direction(mirror, exponent, numbers(4 * i)))
         };
         let samples = if roughness <= 0.0 { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
         mean_and_error((0..u64::from(samples)).map(sample))
@@ -127,7 +126,7 @@ impl Pixels<'_> {
 
     /// Returns the colour that a ray from the pixel `from` brings, including further bounces; black if the ray hits
     /// nothing or runs below the surface. `numbers` returns two random numbers for each further bounce.
-    fn seen(&self, from: [u32; 2], direction: DVec3, numbers: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
+    fn ray_color(&self, from: [u32; 2], direction: DVec3, numbers: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
         let rays = self.hierarchy.rays();
         // `share` is the share of the light at the current hit that reaches the first pixel.
         let (mut from, mut direction, mut share, mut sum) = (from, direction, 1.0, DVec3::ZERO);
@@ -178,12 +177,7 @@ fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
         mean += off / n;
         squares += off * (color - mean);
     }
-    let standard_error = if n < 2.0 {
-        DVec3::INFINITY
-    } else {
-        let variance = squares / (n - 1.0) / n;
-        DVec3::new(variance.x.sqrt(), variance.y.sqrt(), variance.z.sqrt())
-    };
+    let standard_error = if n < 2.0 { DVec3::INFINITY } else { (squares / (n - 1.0) / n).map(f64::sqrt) };
     Estimate { mean, standard_error }
 }
 

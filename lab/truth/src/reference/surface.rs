@@ -240,7 +240,7 @@ pub(super) mod tests {
         let scene = two_walls(Material::default(), vec![srgb, texture(2, bytes, Encoding::Linear)]);
         let world = World::new(&scene, &scene.materials);
         let half = f64::from(srgb_to_linear(188.0 / 255.0));
-        // The texel centres are at ¼ and ¾; ½ is halfway between them, and 0 is halfway between the last and the first texel.
+        // The texel centres are at ¼ and ¾; ½ is halfway between them, and 0 between the last and the first texel.
         for (u, share) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (0.375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.25, 1.0)] {
             let uv = DVec2::new(u, 0.7);
             let expected = DVec4::new(share, share * half, 0.0, 1.0);

@@ -104,11 +104,11 @@ impl<'a> SurfaceColors<'a> {
             return !is_reflector;
         }
         let z = self.z(depth);
-        // Metres from the hit's z to the pixel's z, and the distance from which on these are apart.
-        let (behind, apart) = (z - hit_z, STANDS_BEFORE * self.width(z));
+        // By how many metres the pixel's surface lies behind the hit, and the least distance of separate surfaces.
+        let (behind, separate) = (z - hit_z, STANDS_BEFORE * self.width(z));
         let is_beside =
             (self.point(pixel, z) - ray.point).cross(ray.direction).length() > STANDS_BESIDE * self.width(z);
-        self.is_above(pixel, z, ray) && !(behind < -apart && is_beside) && !(is_reflector && behind > apart)
+        self.is_above(pixel, z, ray) && !(behind < -separate && is_beside) && !(is_reflector && behind > separate)
     }
 
     /// Returns the width of a pixel at a view-space z, in metres.

@@ -30,15 +30,14 @@ impl DepthBlock {
     }
 }
 
-/// Returns the thickness T in metres of a pixel at view depth `z`, from the view depths of its left, right, upper and
-/// lower neighbour in metres; `None` for a neighbour that is sky or off screen. `reach` is the camera's reach at z
-/// ([`Camera::reach_m`](ssct_scenes::Camera::reach_m)). T is the span of the surface in depth along both axes, plus a
-/// share of the reach.
+/// Returns the thickness T in metres of a pixel at view depth `z`: the span of the surface in depth along both axes,
+/// plus a share of `reach`, the camera's reach at z ([`Camera::reach_m`](ssct_scenes::Camera::reach_m)). The neighbours
+/// are given by their view depths in metres; `None` for a neighbour that is sky or off screen.
 pub fn thickness(z: f64, reach: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
     // The span along one axis is the smaller difference to a neighbour.
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);
-        // A surface far before both neighbours is thinner than two pixels, and the neighbours say nothing about its thickness.
+        // A surface far before both neighbours is thinner than two pixels, and they say nothing about its thickness.
         let is_thin = [a, b].iter().all(|n| n.is_some_and(|n| n - z > THIN * reach));
         least.filter(|_| !is_thin).unwrap_or(0.0)
     };

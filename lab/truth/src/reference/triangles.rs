@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 use ssct_ground::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, ROUNDING, TREE_DEPTH};
-use ssct_scenes::tree::{MovingTriangles, NODE_WORDS, Tree, TriangleRecords, Words};
+use ssct_scenes::tree::{MovingTriangles, NODE_VECTORS, Tree, TriangleRecords, Words};
 use std::borrow::Cow;
 
 /// The triangle that a ray meets, with the place of the hit.
@@ -37,13 +37,13 @@ pub struct TreeRay {
     pub origin: Vec3,
     /// Unit direction.
     pub direction: Vec3,
-    /// The triangle that the ray begins on, by its number in the record, which the ray cannot meet; `NO_TRIANGLE` for none.
-    pub own: u32,
+    /// The number, in the record, of the triangle that the ray begins on and cannot meet; `NO_TRIANGLE` for none.
+    pub own_triangle: u32,
 }
 
 /// A scene's triangles, for rays that are traced as in the shaders.
 pub struct TriangleWalk<'a> {
-    /// [`NODE_WORDS`] vectors for each node, as in [`Tree::nodes`].
+    /// [`NODE_VECTORS`] vectors for each node, as in [`Tree::nodes`].
     nodes: Cow<'a, [Words]>,
     /// Number of the root of the tree of moving triangles, which follows the other nodes; `None` without such a tree.
     moving: Option<u32>,
@@ -83,8 +83,8 @@ impl<'a> TriangleWalk<'a> {
     /// Appends a tree of moving triangles, which walks then visit, too.
     #[must_use]
     pub fn with_moving(mut self, moving: &MovingTriangles) -> Self {
-        let (root, slots) = ((self.nodes.len() / NODE_WORDS) as u32, (self.corners.len() / 3) as u32);
-        self.nodes.to_mut().extend(moving.tree.nodes_behind(root, slots));
+        let (root, slots) = ((self.nodes.len() / NODE_VECTORS) as u32, (self.corners.len() / 3) as u32);
+        self.nodes.to_mut().extend(moving.tree.nodes_after(root, slots));
         self.corners.to_mut().extend_from_slice(&moving.records.corners);
         self.moving = (!moving.tree.nodes.is_empty()).then_some(root);
         self.extent = self.extent.max(moving.records.extent_m());
@@ -101,11 +101,11 @@ impl<'a> TriangleWalk<'a> {
         // box.
         let direction = Vec3::from_array(ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d }));
         let inverse = 1.0 / direction;
-        let back = direction.to_array().map(|d| d < 0.0);
+        let is_negative = direction.to_array().map(|d| d < 0.0);
         // For each axis along which the ray does not run back, a bit in each byte of the word. An exclusive or with it
         // turns the places of four children into the order in which the ray should look at them.
-        let octant = [0x0404_0404, 0x0202_0202, 0x0101_0101];
-        let octant = octant.iter().zip(back).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
+        let axis_bits = [0x0404_0404, 0x0202_0202, 0x0101_0101];
+        let octant = axis_bits.iter().zip(is_negative).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
         // The tree of the triangles that do not move has the first nodes. Without such triangles there is no such tree.
         let has_still_tree = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
         // A group of nodes: the first child's number, and a mask. Its upper 8 bits are the children still to be looked
@@ -127,7 +127,8 @@ impl<'a> TriangleWalk<'a> {
                 // places.
                 let child = (bit - 24) ^ (octant & 0xff);
                 let node = group[0] + (bits & !(0xffff_ffff << child)).count_ones();
-                let (inner, hits, bases) = self.intersect_children(node, ray.origin, inverse, (back, octant), best.t);
+                let (inner, hits, bases) =
+                    self.intersect_children(node, ray.origin, inverse, is_negative, octant, best.t);
                 group = [bases[0], hits & 0xff00_0000 | inner];
                 leaves = [bases[1], hits & 0x00ff_ffff];
             }
@@ -143,24 +144,26 @@ impl<'a> TriangleWalk<'a> {
         }
     }
 
-    /// Intersects the children of a node. `back` says for each axis whether the ray runs back, and `nearest` is the t
-    /// of the nearest hit so far. Returns a mask of the children that are nodes, a mask of the children that the ray
-    /// meets before `nearest`, and the numbers of the first child node and the first triangle. In the second mask,
-    /// nodes have the upper 8 bits and triangles the lower 24.
+    /// Intersects the children of a node. `is_negative` says for each axis whether the ray runs back, `octant` is the
+    /// word that [`Self::traverse_tree`] makes of it, and `nearest` is the t of the nearest hit so far. Returns a mask
+    /// of the children that are nodes, a mask of the children that the ray meets before `nearest`, and the numbers of
+    /// the first child node and the first triangle. In the second mask, nodes have the upper 8 bits and triangles the
+    /// lower 24.
     fn intersect_children(
         &self,
         node: u32,
         origin: Vec3,
         inverse: Vec3,
-        (back, octant): ([bool; 3], u32),
+        is_negative: [bool; 3],
+        octant: u32,
         nearest: f32,
     ) -> (u32, u32, [u32; 2]) {
-        let first = NODE_WORDS * node as usize;
-        let [head, kinds, mut sides @ ..]: [Words; NODE_WORDS] = std::array::from_fn(|i| self.nodes[first + i]);
+        let first = NODE_VECTORS * node as usize;
+        let [head, kinds, mut sides @ ..]: [Words; NODE_VECTORS] = std::array::from_fn(|i| self.nodes[first + i]);
         // Each axis has the low sides of children 0 to 3 and 4 to 7, then the high sides. The side that the ray meets
         // first is moved to the front.
-        for (side, back) in sides.iter_mut().zip(back) {
-            if back {
+        for (side, is_negative) in sides.iter_mut().zip(is_negative) {
+            if is_negative {
                 *side = [side[2], side[3], side[0], side[1]];
             }
         }
@@ -207,12 +210,12 @@ impl<'a> TriangleWalk<'a> {
         let inverse = 1.0 / area;
         let reach = u * dot(d, a) + v * dot(d, b) + w * dot(d, c);
         let t = reach * inverse;
-        let (id, whole) = (words[0][3], f32::from_bits(words[1][3]));
-        let beyond = if area < 0.0 { -reach } else { reach };
+        let (id, double_area) = (words[0][3], f32::from_bits(words[1][3]));
+        let scaled_distance = if area < 0.0 { -reach } else { reach };
         let inside = (u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0)
             && area != 0.0
-            && beyond > 12.0 * ROUNDING as f32 * self.extent * whole
-            && id != ray.own;
+            && scaled_distance > 12.0 * ROUNDING as f32 * self.extent * double_area
+            && id != ray.own_triangle;
         let nearer = t < best.t || (t == best.t && id < best.id);
         if inside && nearer && t > 0.0 {
             *best = TriangleHit { t, id, weight: [v * inverse, w * inverse] };

@@ -65,8 +65,7 @@ impl Parameters {
             pixel_to_clip: (1.0 / size.as_dvec2()).as_vec2(),
             pixel_to_view: (1.0 / (size.as_dvec2() * to_clip)).as_vec2(),
             size: size.as_ivec2(),
-            padded: glam::UVec2::new(width.next_multiple_of(1 << top_level), height.next_multiple_of(1 << top_level))
-                .as_ivec2(),
+            padded: glam::UVec2::from([width, height].map(|side| side.next_multiple_of(1 << top_level))).as_ivec2(),
             top_level: top_level as i32,
             depth_offset: -projection.z_axis.z as f32,
             shift: (size.as_dvec2() * shift.truncate().truncate()).as_vec2(),
@@ -179,8 +178,8 @@ pub struct Visit {
     pub cell: IVec2,
     /// Interval of depth that the cell holds.
     pub block: Block,
-    /// Whether the ray's depth meets the block. If so, the walk goes down a level, or ends; otherwise it goes on to the next
-    /// cell.
+    /// Whether the ray's depth meets the block. If so, the walk goes down a level, or ends; otherwise it goes on to the
+    /// next cell.
     pub meets: bool,
     /// s at which the ray enters and leaves the cell.
     pub span: [f32; 2],
@@ -192,8 +191,7 @@ impl Ray {
         self.start.extend(self.depth) + s * self.rate
     }
 
-    /// Twin of `Ahead`: returns, for each axis, 1 if the ray leaves a cell by the side of the greater coordinate, else
-    /// 0.
+    /// Twin of `Ahead`: returns, for each axis, 1 if the ray leaves a cell by its side of greater coordinates, else 0.
     fn ahead(&self) -> IVec2 {
         IVec2::new(i32::from(self.inverse.x > 0.0), i32::from(self.inverse.y > 0.0))
     }
@@ -254,15 +252,16 @@ impl<'a> Traversal<'a> {
         if depth <= 0.0 || n == Vec3::ZERO {
             return None;
         }
-        // The mirror direction is v + a n, a = −2 (v·n) / (n·n). The line of sight v itself does not move in the image.
+        // The mirror direction is v + factor n. The line of sight v itself does not move in the image.
         let (view, ndc) = self.pixel_point(pixel);
-        let along = view.x * n.x + view.y * n.y + n.z;
+        let along_normal = view.x * n.x + view.y * n.y + n.z;
         let squared = n.x * n.x + n.y * n.y + n.z * n.z;
-        let a = -2.0 * along * (1.0 / squared);
-        let change = p.ndc_change(ndc, n) * a;
-        let change_z = p.depth_change(depth, 1.0 + a * n.z);
-        let direction = view.extend(1.0) + a * n;
-        Some((self.make_ray(pixel.as_vec2() + 0.5, pixel, depth, direction, change.extend(change_z)), along < 0.0))
+        let factor = -2.0 * along_normal * (1.0 / squared);
+        let change = p.ndc_change(ndc, n) * factor;
+        let change_z = p.depth_change(depth, 1.0 + factor * n.z);
+        let direction = view.extend(1.0) + factor * n;
+        let ray = self.make_ray(pixel.as_vec2() + 0.5, pixel, depth, direction, change.extend(change_z));
+        Some((ray, along_normal < 0.0))
     }
 
     /// Twin of `RayAlong`: returns the ray of pixel (x, y) along a view-space direction of any length; `None` for sky.
@@ -348,14 +347,15 @@ impl<'a> Traversal<'a> {
             if sides.y == entry { onward.y } else { at_side.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
-        let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
+        let leaves_surface = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
         // The first pixel may show the surface that the ray leaves. A depth beyond all others then meets nothing there.
-        if leaves && !self.is_followed {
+        if leaves_surface && !self.is_followed {
             entry_depth = if ray.rate.z < 0.0 { -NEVER } else { NEVER };
         }
         let mut walk = Walk { pixel, level: 0, entry, entry_depth, steps: 0 };
         let border = IVec2::MAX;
-        let mode = if self.is_followed { WalkMode::Followed { passes: leaves, border } } else { WalkMode::Unfollowed };
+        let mode =
+            if self.is_followed { WalkMode::Followed { passes: leaves_surface, border } } else { WalkMode::Unfollowed };
         self.advance(ray, ahead, mode, &mut walk, visit);
         let hit = Hit { steps: walk.steps, ..hit };
         // At level 0 or above, the walk has met no pixel's block: the ray has ended, or has run out of steps.
@@ -369,12 +369,12 @@ impl<'a> Traversal<'a> {
             && self.is_behind(ray, entry_depth, walk.pixel, block, ahead);
         let exit_depth = ray.depth + pixel_exit(ray, &walk, ahead) * ray.rate.z;
         // The ray passes behind the block by the rule of version 2, or is followed and lies wholly behind the block.
-        if is_behind || self.is_followed && entry_depth.max(exit_depth) < block.back {
+        if is_behind || (self.is_followed && entry_depth.max(exit_depth) < block.back) {
             return Hit { code: HitCode::MissBehind, s: walk.entry, ..hit };
         }
         let s = front_crossing(ray, &walk, ahead, block.front);
-        let low = (walk.pixel - ray.pixel).as_vec2();
-        let offset = (s * ray.rate.truncate() + 0.5).max(low).min(low + 1.0);
+        let first_corner = (walk.pixel - ray.pixel).as_vec2();
+        let offset = (s * ray.rate.truncate() + 0.5).max(first_corner).min(first_corner + 1.0);
         let position = ray.pixel.as_vec2() + offset;
         Hit { code: HitCode::Surface, pixel: walk.pixel, position, depth: ray.depth + s * ray.rate.z, s, ..hit }
     }
@@ -387,8 +387,8 @@ impl<'a> Traversal<'a> {
             WalkMode::Unfollowed => (false, IVec2::MAX, false),
             WalkMode::Followed { passes, border } => (passes, border, true),
         };
-        let bound = if border == IVec2::MAX { self.max_steps() } else { self.max_face_steps() };
-        while walk.level >= 0 && walk.entry < ray.end && walk.steps < bound {
+        let max_steps = if border == IVec2::MAX { self.max_steps() } else { self.max_face_steps() };
+        while walk.level >= 0 && walk.entry < ray.end && walk.steps < max_steps {
             walk.steps += 1;
             let level = walk.level;
             let cell = walk.pixel >> level;
@@ -397,21 +397,21 @@ impl<'a> Traversal<'a> {
             let edge = (cell + ahead) << level;
             let crossings = (edge.as_vec2() - start) * ray.inverse;
             let exit = crossings.x.min(crossings.y);
-            let last = exit.min(ray.end);
-            let exit_depth = ray.depth + last * ray.rate.z;
+            let last_s = exit.min(ray.end);
+            let exit_depth = ray.depth + last_s * ray.rate.z;
             let (near, far) = if recedes { (walk.entry_depth, exit_depth) } else { (exit_depth, walk.entry_depth) };
             let meets = far <= block.front && if is_followed { !passes } else { near >= block.back };
             passes = false;
-            visit(Visit { level: level as u32, cell, block, meets, span: [walk.entry, last] });
+            visit(Visit { level: level as u32, cell, block, meets, span: [walk.entry, last_s] });
             // The next pixel lies across the side that is nearer, and along the other axis where the ray is then.
-            let inside = (start + last * ray.rate.truncate()).as_ivec2();
+            let inside = (start + last_s * ray.rate.truncate()).as_ivec2();
             let first = cell << level;
-            let mut onward = inside.clamp(first, first + ((1 << level) - 1)).min(border);
+            let mut next_pixel = inside.clamp(first, first + ((1 << level) - 1)).min(border);
             if crossings.x == exit {
-                onward.x = edge.x - 1 + ahead.x;
+                next_pixel.x = edge.x - 1 + ahead.x;
             }
             if crossings.y == exit {
-                onward.y = edge.y - 1 + ahead.y;
+                next_pixel.y = edge.y - 1 + ahead.y;
             }
             let left_parent = (if crossings.x <= crossings.y { edge.x } else { edge.y }) & (1 << level) == 0;
             if meets {
@@ -420,7 +420,7 @@ impl<'a> Traversal<'a> {
                 if left_parent {
                     walk.level = (level + 1).min(self.parameters.top_level);
                 }
-                (walk.pixel, walk.entry, walk.entry_depth) = (onward, exit, exit_depth);
+                (walk.pixel, walk.entry, walk.entry_depth) = (next_pixel, exit, exit_depth);
             }
         }
     }
@@ -442,14 +442,14 @@ impl<'a> Traversal<'a> {
     /// pixel before, or, at an edge, if it is deeper in the block than the thickness times the cosine between ray and
     /// reversed normal.
     fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
-        let before = self.block(pixel_before(ray, pixel, ahead));
+        let block_before = self.block(pixel_before(ray, pixel, ahead));
         let (d, n) = (ray.direction, self.normal(pixel));
         let thickness = block.front - block.back;
-        let joined = constants::JOINED as f32 * (thickness + (before.front - before.back));
-        let (along, below) = (dot(d, n), block.front - entry_depth);
-        let depth_squared = (below * below) * (dot(n, n) * dot(d, d));
-        let is_deep = along >= 0.0 || depth_squared > (along * along) * (thickness * thickness);
-        entry_depth < before.front || block.front - before.front > joined && is_deep
+        let joined_gap = constants::JOINED as f32 * (thickness + (block_before.front - block_before.back));
+        let (along_normal, depth_in_block) = (dot(d, n), block.front - entry_depth);
+        let depth_squared = (depth_in_block * depth_in_block) * (dot(n, n) * dot(d, d));
+        let is_deep = along_normal >= 0.0 || depth_squared > (along_normal * along_normal) * (thickness * thickness);
+        entry_depth < block_before.front || (block.front - block_before.front > joined_gap && is_deep)
     }
 }
 
@@ -470,11 +470,11 @@ fn pixel_exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
 /// Twin of `FrontCrossing`: returns the s at which the ray crosses the depth `front` inside the walk's current pixel,
 /// or the s of its entry if it does not.
 fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
-    let last = pixel_exit(ray, walk, ahead);
-    let exit_depth = ray.depth + last * ray.rate.z;
+    let exit = pixel_exit(ray, walk, ahead);
+    let exit_depth = ray.depth + exit * ray.rate.z;
     let (near, far) = (walk.entry_depth.max(exit_depth), walk.entry_depth.min(exit_depth));
     let crossing = (front - ray.depth) * (1.0 / ray.rate.z);
-    if far <= front && front <= near && far < near { crossing.max(walk.entry).min(last) } else { walk.entry }
+    if far <= front && front <= near && far < near { crossing.max(walk.entry).min(exit) } else { walk.entry }
 }
 
 /// Twin of `Dot`: returns the scalar product, whose terms are added in the shader's order.

@@ -5,11 +5,11 @@
 //! Each sample reflects the camera ray through a random place within the pixel. The ray is reflected at the pixel's own
 //! point with the pixel's own normal, as in the screen reference.
 //!
-//! A surface that a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") the
-//! surface reflects, too: the sample goes on along one direction of its lobe. Each sample depends only on the seed, its pixel
-//! and its number, and a pixel's samples are summed in the order of their numbers, in groups that are always the same
-//! ([`super::partial_sums`]). A result therefore does not depend on threads, on interruptions, or on how samples were divided
-//! among machines.
+//! A surface that a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces")
+//! the surface reflects, too: the sample goes on along one direction of its lobe. Each sample depends only on the seed,
+//! its pixel and its number, and a pixel's samples are summed in the order of their numbers, in groups that are always
+//! the same ([`super::partial_sums`]). A result therefore does not depend on threads, on interruptions, or on how
+//! samples were divided among machines.
 
 pub mod state;
 
@@ -86,8 +86,8 @@ pub struct WorldImage {
     pub height: u32,
     /// Reflection colour, linear, before reflectivity; black where nothing reflects.
     pub reflection: Vec<Vec3>,
-    /// Standard error of the reflection colour, per channel; 0 for mirrors that take one sample, otherwise infinite with fewer
-    /// than two samples.
+    /// Standard error of the reflection colour, per channel; 0 for mirrors that take one sample, otherwise infinite
+    /// with fewer than two samples.
     pub standard_error: Vec<Vec3>,
     /// Number of samples; 0 where nothing reflects.
     pub samples: Vec<u32>,
@@ -102,7 +102,7 @@ pub struct WorldImage {
 pub struct WorldSample {
     /// Linear radiance of the ray.
     pub radiance: DVec3,
-    /// Part of the radiance that further bounces bring; the other part is the lit colour at the ray's end, or the environment.
+    /// Part of the radiance that further bounces bring; the rest is the lit colour at the ray's end or the environment.
     pub bounced: DVec3,
     /// Unit direction of the ray in the world.
     pub direction: DVec3,
@@ -154,34 +154,34 @@ impl<'a> WorldReference<'a> {
     /// with the first samples.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
         let last = state.samples().saturating_add(samples);
-        let mut nothing = vec![(); state.sums.pixels()];
+        let mut no_values = vec![(); state.sums.pixels()];
         while let Some(stop) = state.sums.next_stop(last) {
-            self.add_beside(state, stop, &mut nothing, |(), _| ());
+            self.add_and_visit(state, stop, &mut no_values, |(), _| ());
         }
     }
 
-    /// Adds the samples before number `stop`, which must be the next stop of the state's sums. `beside` has a value of
-    /// the caller for each pixel. `look` is called with this value and each sample of the pixel, in the order of the
+    /// Adds the samples before number `stop`, which must be the next stop of the state's sums. `values` has a value of
+    /// the caller for each pixel. `visit` is called with this value and each sample of the pixel, in the order of the
     /// samples' numbers.
-    pub(super) fn add_beside<T: Send>(
+    pub(super) fn add_and_visit<T: Send>(
         &self,
         state: &mut WorldState,
         stop: u32,
-        beside: &mut [T],
-        look: impl Fn(&mut T, &WorldSample) + Sync,
+        values: &mut [T],
+        visit: impl Fn(&mut T, &WorldSample) + Sync,
     ) {
         let first = state.samples();
         let WorldState { sums, kinds, .. } = state;
         let receivers = self.first_hits.receivers.par_iter().zip(kinds.par_iter());
         // For each pixel: its index, its sums, the caller's value, its receiver and the kind of its samples.
-        sums.open().par_iter_mut().zip(beside).zip(receivers).enumerate().with_min_len(64).for_each(
+        sums.open().par_iter_mut().zip(values).zip(receivers).enumerate().with_min_len(64).for_each(
             |(index, ((sums, value), (receiver, kind)))| {
                 let Some(receiver) = receiver else { return };
                 let stream = Stream::new(self.seed, index as u64);
                 for number in kind.samples(first)..kind.samples(stop) {
                     let sample = self.sample(index, receiver, u64::from(number), &stream);
                     sums.add(sample.radiance);
-                    look(value, &sample);
+                    visit(value, &sample);
                 }
             },
         );
@@ -238,7 +238,7 @@ impl<'a> WorldReference<'a> {
                 (Receiver { incoming: ray.direction, ..*receiver }, numbers(4 * number))
             }
         };
-        let Some((first, lit)) = self.traced(&receiver, lobe) else {
+        let Some((first, lit)) = self.trace_lobe_ray(&receiver, lobe) else {
             let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
             return WorldSample { radiance: DVec3::ZERO, bounced: DVec3::ZERO, direction, end: None };
         };
@@ -250,7 +250,7 @@ impl<'a> WorldReference<'a> {
             // samples.
             let first_number = (bounce << 40) + 2 * number;
             share *= receiver.reflectivity;
-            let Some((next, lit)) = self.traced(&receiver, numbers(first_number)) else { break };
+            let Some((next, lit)) = self.trace_lobe_ray(&receiver, numbers(first_number)) else { break };
             bounced += share * lit;
             last = next;
         }
@@ -259,7 +259,7 @@ impl<'a> WorldReference<'a> {
 
     /// Traces the ray of a receiver's lobe that two random numbers choose. Returns the ray, and the light that arrives
     /// along it from a surface or from the environment. `None` if the ray leads below the surface and brings no light.
-    fn traced(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(TracedRay, DVec3)> {
+    fn trace_lobe_ray(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(TracedRay, DVec3)> {
         let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), numbers);
         if !receiver.is_above(direction) {
             return None;

@@ -80,13 +80,13 @@ impl<'a> ShownPlaces<'a> {
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         let Some(hit) = world.closest(&ray) else { return (WorldHit::Escaped, None) };
         let position = ray.point_at(hit.t);
-        let (pixel, view_z_m, visible) = self.judge(position);
+        let (pixel, view_z_m, visible) = self.place_on_screen(position);
         (WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }, Some(hit))
     }
 
     /// Returns the pixel coordinates of a place (`None` behind the eye of a perspective camera), its view-space z in
     /// metres, and whether the pixel there shows the place.
-    pub(super) fn judge(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
+    fn place_on_screen(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
         let view = self.world_to_view.transform_point3(position);
         let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|p| p.truncate());
         let reach = self.gbuffer.camera.reach_m(view.z);
@@ -97,7 +97,7 @@ impl<'a> ShownPlaces<'a> {
     /// Returns the linear colour that the screen shows at the end of a ray; `None` if the screen does not show that
     /// place. `towards` is the ray's direction in the world, for surfaces that show the environment.
     pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
-        let (pixel, _, visible) = self.judge(end);
+        let (pixel, _, visible) = self.place_on_screen(end);
         let p = pixel.filter(|_| visible)?;
         Some(self.colors.shown(self.index(p)?, p.to_array(), towards, None))
     }
@@ -113,26 +113,18 @@ impl<'a> ShownPlaces<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference::pixel::tests::room;
     use crate::reference::surface::tests::rectangle;
     use crate::reference::testing;
     use glam::Vec3;
-    use ssct_scenes::{Camera, FieldOfView, Lens, Material, Scene};
+    use ssct_scenes::{Camera, Lens, Scene};
 
     /// Returns a scene and its G-buffer: a camera at the origin, 1 m above a mirror floor, before a wall at z = 4 m
     /// that stands on the floor. The wall's distances in the G-buffer are multiplied by a factor.
     fn gbuffer(wall_depth_factor: f32) -> (Scene, GBufferData) {
-        let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
-        let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
-        let scene = Scene {
-            meshes: vec![floor, wall],
-            materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
-            ..Scene::default()
-        };
-        let lens = Lens { opening: FieldOfView::Angle(90_f32.to_radians()), ..Lens::default() };
-        let (width, height) = (40, 40);
-        let camera = Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0);
+        let (scene, camera) = room(Vec::new());
         let world = World::new(&scene, &scene.materials);
-        let mut data = testing::traced(&world, &camera, [width, height]);
+        let mut data = testing::traced(&world, &camera, [40, 40]);
         let (to_clip, from_clip) = (data.view_to_clip(), data.view_to_clip().inverse());
         for i in (0..data.depth.len()).filter(|i| !data.reflects(*i) && wall_depth_factor != 1.0).collect::<Vec<_>>() {
             let z = from_clip.project_point3(DVec3::Z * f64::from(data.depth[i])).z * f64::from(wall_depth_factor);
@@ -157,15 +149,15 @@ mod tests {
                 assert_eq!(*hit, WorldHit::NotReflecting, "{x} {y}");
                 continue;
             }
-            // The camera ray hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall at height
-            // −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
+            // The camera ray hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall
+            // at height −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
             let WorldHit::Hit { position, pixel, view_z_m, length_m, visible } = *hit else {
                 panic!("{x} {y}: {hit:?}")
             };
             let pixel = pixel.expect("in front");
             assert!((position.z - 4.0).abs() < 1e-4 && (view_z_m - 4.0).abs() < 1e-4);
-            // The mirrored ray covers 4 − z in z from z = 1 / down; its slope in y is `down`, and its slope in x is the camera
-            // ray's.
+            // The mirrored ray covers 4 − z in z from z = 1 / down; its slope in y is `down`, and its slope in x is the
+            // camera ray's.
             let aside = (x as f64 + 0.5 - 20.0) / 20.0;
             let expected = (4.0 - 1.0 / down) * (1.0 + down * down + aside * aside).sqrt();
             assert!((length_m - expected).abs() < 1e-3, "{x} {y}: {length_m} {expected}");
@@ -181,15 +173,10 @@ mod tests {
 
     #[test]
     fn parallel_lines_of_sight_are_reflected_alike() {
-        let floor = rectangle(Vec3::new(-9.0, -1.0, -9.0), 18.0 * Vec3::Z, 18.0 * Vec3::X, 0);
-        let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
-        let scene = Scene {
-            meshes: vec![floor, wall],
-            materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
-            ..Scene::default()
-        };
-        // The camera looks down by 45°. A ray that meets the floor at z rises as steeply as it fell, and meets the wall 4 − z
-        // above the floor.
+        let (mut scene, _) = room(Vec::new());
+        scene.meshes[0] = rectangle(Vec3::new(-9.0, -1.0, -9.0), 18.0 * Vec3::Z, 18.0 * Vec3::X, 0);
+        // The camera looks down by 45°. A ray that meets the floor at z rises as steeply as it fell, and meets the wall
+        // 4 − z above the floor.
         let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), Lens::orthographic(4.0, 0.0, 20.0), 1.0);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);

@@ -2,7 +2,7 @@
 //! would have sampled, to the bit. Merging needs neither the scene nor the camera.
 
 use super::partial_sums::LEAF;
-use super::world::state::{KeptState, read_state, write_state};
+use super::world::state::{StoredState, read_state, write_state};
 use ssct_ground::{Error, Result};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ pub struct WorldPart {
     /// The file.
     pub path: PathBuf,
     /// The content of the file.
-    kept: KeptState,
+    stored: StoredState,
 }
 
 /// Returns the numbers of the samples, out of `samples`, that shard `index` (from 1 to `shards`) takes. Shards take
@@ -36,12 +36,12 @@ impl WorldPart {
     /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not the state of a reference, or is
     /// damaged.
     pub fn read(path: &Path) -> Result<Self> {
-        Ok(Self { path: path.to_owned(), kept: read_state(path)? })
+        Ok(Self { path: path.to_owned(), stored: read_state(path)? })
     }
 
     /// Returns the range of the numbers of the samples.
     pub fn samples(&self) -> Range<u32> {
-        self.kept.sums.first()..self.kept.sums.end()
+        self.stored.sums.first()..self.stored.sums.end()
     }
 
     /// Writes the part as a state from which sampling can be continued.
@@ -49,7 +49,7 @@ impl WorldPart {
     /// # Errors
     /// [`Error::Io`] if the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
-        write_state(path, &self.kept.fingerprint, self.kept.extent, &self.kept.sums)
+        write_state(path, &self.stored.fingerprint, self.stored.extent, &self.stored.sums)
     }
 }
 
@@ -65,39 +65,39 @@ pub struct MergedParts {
 /// Merges parts of one reference, which has `samples` samples in all.
 ///
 /// # Errors
-/// [`Error::Malformed`] for parts of different references, for parts that overlap only partly, and for parts with different
-/// sums of the same samples.
+/// [`Error::Malformed`] for parts of different references, for parts that overlap only partly, and for parts with
+/// different sums of the same samples.
 pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     parts.retain(|part| !part.samples().is_empty());
     // If two parts begin with the same sample, the longer part comes first.
     parts.sort_by_key(|part| (part.samples().start, u32::MAX - part.samples().end));
     let mut merged: Option<WorldPart> = None;
-    // `end` is the number of the first sample after the parts so far, and `before` the last of these parts.
+    // `end` is the number of the first sample after the parts so far, and `last` the last of these parts.
     let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
-    let mut before: Option<WorldPart> = None;
+    let mut last: Option<WorldPart> = None;
     for part in parts {
         let range = part.samples();
-        if let Some(before) = &before {
+        if let Some(last) = &last {
             let wrong = |message: String| Err(Error::malformed(&part.path, None, message));
-            if before.kept.fingerprint != part.kept.fingerprint || before.kept.extent != part.kept.extent {
-                return wrong(format!("is of another reference than {}", before.path.display()));
+            if last.stored.fingerprint != part.stored.fingerprint || last.stored.extent != part.stored.extent {
+                return wrong(format!("is of another reference than {}", last.path.display()));
             }
-            if before.samples() == range {
-                if before.kept.sums == part.kept.sums {
+            if last.samples() == range {
+                if last.stored.sums == part.stored.sums {
                     continue;
                 }
-                return wrong(format!("has other sums of the same samples than {}", before.path.display()));
+                return wrong(format!("has other sums of the same samples than {}", last.path.display()));
             }
             if range.start < end {
-                let [a, b] = [range, before.samples()].map(|r| named(&r));
-                return wrong(format!("has {a}, and {} has {b}: they are of two divisions", before.path.display()));
+                let [a, b] = [range, last.samples()].map(|r| samples_text(&r));
+                return wrong(format!("has {a}, and {} has {b}: they are of two divisions", last.path.display()));
             }
         }
         if range.start > end {
             missing.push(end..range.start);
         }
         end = range.end;
-        before = Some(part.clone());
+        last = Some(part.clone());
         // Parts after a gap cannot be merged.
         if !missing.is_empty() {
             continue;
@@ -106,7 +106,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
             merged = Some(part);
             continue;
         };
-        if !whole.kept.sums.append(part.kept.sums) {
+        if !whole.stored.sums.append(part.stored.sums) {
             return Err(Error::malformed(&part.path, None, "does not begin with a whole group of samples"));
         }
     }
@@ -117,7 +117,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
 }
 
 /// Returns a text that names samples by their numbers, such as "samples 3 to 7".
-pub fn named(samples: &Range<u32>) -> String {
+pub fn samples_text(samples: &Range<u32>) -> String {
     format!("samples {} to {}", samples.start, samples.end.saturating_sub(1))
 }
 
@@ -206,12 +206,12 @@ mod tests {
             assert!(refused(vec![part_of(0..128), part_of(64..128)]).contains("of two divisions"));
             assert!(refused(vec![part_of(0..64), part(other, folder, 64..128)]).contains("another reference"));
             let mut changed = part_of(0..64);
-            changed.kept = KeptState { sums: part_of(0..64).kept.sums, ..changed.kept };
+            changed.stored = StoredState { sums: part_of(0..64).stored.sums, ..changed.stored };
             assert!(merge(vec![part_of(0..64), changed.clone()], 64).expect("the same twice").missing.is_empty());
             let mut sums = crate::reference::partial_sums::PartialSums::new(0, 12 * 8);
             sums.open();
             sums.close(64);
-            changed.kept.sums = sums;
+            changed.stored.sums = sums;
             assert!(refused(vec![part_of(0..64), changed]).contains("other sums"));
         });
     }

@@ -23,11 +23,8 @@ pub fn show(ui: &mut Ui, state: &mut State, editor: &mut CaptureEditor, data: &P
             ui.label(format!("{:.2}, {:.2}, {:.2}", p.x, p.y, p.z))
                 .on_hover_text(format!("near plane {} m, {1}×{1} texels a face", capture.near_m, capture.resolution));
             if ui.small_button("go").on_hover_text("the camera goes there").clicked() {
-                state.steer(|camera| {
-                    let (eye, look_at) = camera.place();
-                    camera.put((p, p + (look_at - eye)));
-                    true
-                });
+                let (eye, look_at) = state.camera.place();
+                state.put_camera((p, p + (look_at - eye)));
             }
             if ui.small_button("look").on_hover_text("shows its images instead of the finished image").clicked() {
                 let name = CubeImage { capture: k, part: CubePart::Color }.name();

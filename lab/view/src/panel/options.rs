@@ -11,14 +11,14 @@ use ssct_ground::parameter::{Choices, Domain, Parameter, Preset, Value};
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
 /// Returns the text about a method: its summary, its source, and what it needs of a scene, separated by `between`.
-fn describe(info: &MethodInfo, between: &str) -> String {
+fn describe_method(info: &MethodInfo, between: &str) -> String {
     let needs: Vec<&str> = info.needs.iter().map(|need| need.words()).collect();
     let needs = if needs.is_empty() { String::new() } else { format!("{between}needs {}", needs.join(", ")) };
     format!("{}{between}{}{needs}", info.summary, info.source)
 }
 
 /// Draws the rows of side `index` (0 or 1): its method, and a row for each option of the method.
-pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
+pub fn draw_side(ui: &mut Ui, state: &mut State, index: usize) {
     let title = if state.rendered().len() == 1 { "Method" } else { ["Left method", "Right method"][index] };
     heading(ui, title);
     ui.push_id(("side", index), |ui| {
@@ -26,7 +26,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         let method = state.sides[index].method;
         ComboBox::from_id_salt("method").width(140.0).selected_text(method.name).show_ui(ui, |ui| {
             for info in methods::all() {
-                let about = describe(info, "\n");
+                let about = describe_method(info, "\n");
                 if ui.selectable_label(info.name == method.name, info.name).on_hover_text(about).clicked() {
                     chosen = Some(info);
                 }
@@ -35,16 +35,16 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         if let Some(info) = chosen {
             state.choose(index, info);
         }
-        ui.label(RichText::new(describe(method, "; ")).weak().small());
+        ui.label(RichText::new(describe_method(method, "; ")).weak().small());
         let side = &mut state.sides[index];
-        let rows = side.method.reads();
+        let rows = side.method.read_parameters();
         Grid::new("options").num_columns(3).show(ui, |ui| {
             if rows.iter().any(|row| row.author != row.published) {
-                preset(ui, side);
+                draw_preset(ui, side);
                 ui.end_row();
             }
             for row in &rows {
-                option(ui, side, row);
+                draw_option(ui, side, row);
                 ui.end_row();
             }
         });
@@ -55,7 +55,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
 }
 
 /// Draws the row of the preset: a list of the presets, and a dot if the published one is chosen.
-fn preset(ui: &mut Ui, side: &mut Side) {
+fn draw_preset(ui: &mut Ui, side: &mut Side) {
     ui.label("preset").on_hover_text("Whose constants a published method uses.");
     let (before, mut chosen) = (side.setup.values.preset, side.setup.values.preset);
     ComboBox::from_id_salt("preset").selected_text(chosen.name()).show_ui(ui, |ui| {
@@ -73,16 +73,16 @@ fn preset(ui: &mut Ui, side: &mut Side) {
 
 /// Draws the row of a parameter: its name, its control, and a dot if it has the published value or else a button back
 /// to that value.
-fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
+fn draw_option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
     let name = row.typed_name();
-    ui.label(name.replace('-', " ")).on_hover_text(about(row));
+    ui.label(name.replace('-', " ")).on_hover_text(describe_parameter(row));
     let before = side.setup.values.value(row);
     // The value that the parameter has if the option is not set.
     let default = row.preset_value(side.setup.values.preset);
     let mut value = before;
     match (&row.domain, &mut value) {
         (Domain::Switch, Value::Switch(on)) => drop(ui.checkbox(on, "")),
-        (Domain::Choices(_) | Domain::ChoicesOrCount(..) | Domain::Numbers(_), value) => list(ui, row, value),
+        (Domain::Choices(_) | Domain::ChoicesOrCount(..) | Domain::Numbers(_), value) => draw_choices(ui, row, value),
         (Domain::Count(least, most), Value::Count(n)) => {
             ui.add(DragValue::new(n).range(*least..=*most).speed(0.2));
         }
@@ -103,7 +103,7 @@ fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
 }
 
 /// Draws a list from which one of a parameter's few values is chosen.
-fn list(ui: &mut Ui, row: &Parameter, chosen: &mut Value) {
+fn draw_choices(ui: &mut Ui, row: &Parameter, chosen: &mut Value) {
     let help = |value: &Value| match &row.domain {
         Domain::Choices(all) | Domain::ChoicesOrCount(all, ..) => {
             all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help)
@@ -118,7 +118,7 @@ fn list(ui: &mut Ui, row: &Parameter, chosen: &mut Value) {
 }
 
 /// Returns the text about a parameter: its help, its unit, the values of both presets, and their source.
-fn about(row: &Parameter) -> String {
+fn describe_parameter(row: &Parameter) -> String {
     let unit = if row.unit.is_empty() { String::new() } else { format!(" In {}.", row.unit) };
     let author = if row.author == row.published { String::new() } else { format!("; author: {}", row.author) };
     format!("{}{unit}\nPublished: {}{author}\nSource: {}", row.help, row.published, row.source)

@@ -45,10 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor) {
             let e = key.eye;
             ui.label(format!("{:.2}, {:.2}, {:.2}", e.x, e.y, e.z));
             if ui.small_button("go").clicked() {
-                state.steer(|camera| {
-                    camera.put((key.eye, key.look_at));
-                    true
-                });
+                state.put_camera((key.eye, key.look_at));
             }
             if ui.small_button("remove").clicked() {
                 remove = Some(n);

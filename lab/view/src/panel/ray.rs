@@ -1,7 +1,7 @@
 //! Shows the picked ray on its walk through the Hi-Z chain, cell by cell (the thesis's figure 4.6, live), and the
 //! result of the oracle for the same ray.
 
-use super::shared::{PanelData, heading};
+use super::shared::{PanelData, header_row, heading};
 use crate::cubes::Cross;
 use crate::state::State;
 use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
@@ -14,13 +14,13 @@ use ssct_scenes::Capture;
 use ssct_truth::reference::Outcome;
 
 /// The colour of the method's hit.
-const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
+const METHOD_COLOR: Color32 = Color32::from_rgb(255, 140, 0);
 /// The colour of the walk that is computed on the CPU.
-const WALK: Color32 = Color32::from_rgb(255, 230, 60);
+const WALK_COLOR: Color32 = Color32::from_rgb(255, 230, 60);
 /// The colour of the part of the ray that the screen does not see.
-const BEYOND: Color32 = Color32::from_rgb(255, 90, 200);
+const BEYOND_COLOR: Color32 = Color32::from_rgb(255, 90, 200);
 /// The colour of the oracle's hit.
-const ORACLE: Color32 = Color32::from_rgb(60, 230, 255);
+const ORACLE_COLOR: Color32 = Color32::from_rgb(60, 230, 255);
 
 /// Returns the colour of a mip level: from green for fine levels to red for coarse ones.
 fn level_color(level: u32) -> Color32 {
@@ -46,20 +46,17 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
         return;
     };
     if let Some(report) = data.pixel {
-        explained(ui, report);
+        draw_explanation(ui, report);
     }
-    ends(ui, state, ray);
+    draw_ends(ui, state, ray);
     if let Some(walk) = &ray.walk {
         heading(ui, format!("{} steps through the Hi-Z", walk.cells.len()));
         Grid::new("steps").num_columns(5).striped(true).show(ui, |ui| {
-            for title in ["", "level", "cell", "nearest", "ray"] {
-                ui.label(RichText::new(title).weak());
-            }
-            ui.end_row();
+            header_row(ui, &["", "level", "cell", "nearest", "ray"]);
             for (n, cell) in walk.cells.iter().enumerate() {
                 ui.label((n + 1).to_string());
-                let way = if cell.crossed { "⬆" } else { "⬇" };
-                ui.colored_label(level_color(cell.level), format!("{} {way}", cell.level));
+                let arrow = if cell.crossed { "⬆" } else { "⬇" };
+                ui.colored_label(level_color(cell.level), format!("{} {arrow}", cell.level));
                 ui.label(format!("{}, {}", cell.place.x, cell.place.y));
                 ui.label(format!("{:.6}", cell.nearest));
                 ui.label(format!("{:.6}", cell.ray));
@@ -72,7 +69,7 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
 }
 
 /// Draws the explanation of the pixel and its data, as `ssct render --pixel` prints them.
-fn explained(ui: &mut Ui, report: &PixelReport) {
+fn draw_explanation(ui: &mut Ui, report: &PixelReport) {
     heading(ui, report.verdict.name());
     for sentence in &report.why {
         ui.label(sentence);
@@ -87,27 +84,28 @@ fn explained(ui: &mut Ui, report: &PixelReport) {
 }
 
 /// Lists where the ray ends according to the method, its twin and the oracle.
-fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
+fn draw_ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     heading(ui, "Where it ends");
     let place = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
     let oracle = ray.oracle.position();
     // A text about the distance of a hit from the oracle's, if there is one.
-    let off = |x: f64, y: f64| oracle.map_or(String::new(), |o| format!(", {:.1} px off", (o.x - x).hypot(o.y - y)));
+    let distance_to_oracle =
+        |x: f64, y: f64| oracle.map_or(String::new(), |o| format!(", {:.1} px off", (o.x - x).hypot(o.y - y)));
     Grid::new("ends").num_columns(2).show(ui, |ui| {
-        ui.colored_label(METHOD, state.sides[0].method.name);
+        ui.colored_label(METHOD_COLOR, state.sides[0].method.name);
         match ray.method {
             Some((code, [x, y])) if code.is_hit() => {
                 let (x, y) = (f64::from(x), f64::from(y));
-                ui.label(format!("{code:?} {}{}", place(x, y), off(x, y)))
+                ui.label(format!("{code:?} {}{}", place(x, y), distance_to_oracle(x, y)))
             }
             Some((code, _)) => match &ray.in_world {
-                Some(way) => ui.label(beyond_the_screen(way)),
+                Some(lost_ray) => ui.label(describe_end_beyond_screen(lost_ray)),
                 None => ui.label(format!("{code:?}: no hit")),
             },
             None => ui.label("does not tell its hits"),
         };
         ui.end_row();
-        ui.colored_label(ORACLE, "oracle");
+        ui.colored_label(ORACLE_COLOR, "oracle");
         match ray.oracle.outcome {
             Outcome::Hit { position, .. } => {
                 ui.label(format!("hit {}, after {} pixels", place(position.x, position.y), ray.oracle.steps))
@@ -119,7 +117,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         };
         ui.end_row();
         if let Some(walk) = &ray.walk {
-            ui.colored_label(WALK, "Hi-Z");
+            ui.colored_label(WALK_COLOR, "Hi-Z");
             let (steps, end) = (walk.cells.len(), walk.last().as_dvec2());
             ui.label(match walk.end {
                 WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", place(end.x, end.y)),
@@ -133,13 +131,13 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
 }
 
 /// Returns a text about the end of a ray that the screen lost.
-fn beyond_the_screen(ray: &RayInWorld) -> String {
+fn describe_end_beyond_screen(ray: &RayInWorld) -> String {
     let (code, end) = (ray.code, ray.end);
-    let number = ray.capture.map_or_else(String::new, |k| format!(" {}", k + 1));
+    let capture_number = ray.capture.map_or_else(String::new, |k| format!(" {}", k + 1));
     match code {
         PathCode::Capture | PathCode::Triangle => {
-            let away = ray.begin.distance(end);
-            format!("{code:?}{number}: hit at {:.2}, {:.2}, {:.2}, {away:.2} m away", end.x, end.y, end.z)
+            let distance_m = ray.begin.distance(end);
+            format!("{code:?}{capture_number}: hit at {:.2}, {:.2}, {:.2}, {distance_m:.2} m away", end.x, end.y, end.z)
         }
         PathCode::Sky => format!("{code:?}: nothing stands in its way"),
         _ => format!("{code:?}: no image sees where it goes"),
@@ -153,11 +151,11 @@ pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, ca
     let cross = Cross::new(extent);
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
     let screen_point = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
-    let way = ray.way();
+    let points = ray.points();
     // The first half of the points is on the screen, and the second half beyond it.
-    let (before, after) = way.split_at(way.len() / 2);
-    for (points, stroke) in [(before, Stroke::new(1.0, WALK)), (after, Stroke::new(2.0, BEYOND))] {
-        for line in cross.way(capture, points) {
+    let (before, after) = points.split_at(points.len() / 2);
+    for (points, stroke) in [(before, Stroke::new(1.0, WALK_COLOR)), (after, Stroke::new(2.0, BEYOND_COLOR))] {
+        for line in cross.polylines(capture, points) {
             painter.line(line.into_iter().map(screen_point).collect(), stroke);
         }
     }
@@ -168,7 +166,7 @@ pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, ca
     );
     // The mark shows the direction of the ray's end, even if this capture does not see the end.
     if ray.code != PathCode::Unknown {
-        cross_mark(painter, screen_point(cross.face_and_point(ray.end - capture.position).1), METHOD);
+        draw_mark(painter, screen_point(cross.face_and_point(ray.end - capture.position).1), METHOD_COLOR);
     }
 }
 
@@ -190,27 +188,27 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
             let stroke = Stroke::new(1.0, level_color(cell.level));
             painter.rect_stroke(Rect::from_min_max(low, high), 0.0, stroke, StrokeKind::Inside);
         }
-        for pair in walk.way.windows(2) {
+        for pair in walk.positions.windows(2) {
             let [from, to] = [pair[0], pair[1]].map(|p| screen_point(p.x, p.y));
-            painter.line_segment([from, to], Stroke::new(2.0, WALK));
-            painter.circle_filled(to, 2.0, WALK);
+            painter.line_segment([from, to], Stroke::new(2.0, WALK_COLOR));
+            painter.circle_filled(to, 2.0, WALK_COLOR);
         }
     }
     if let Some(line) = &ray.beyond_on_screen {
-        painter.line(line.iter().map(|p| screen_point(p.x, p.y)).collect(), Stroke::new(2.0, BEYOND));
+        painter.line(line.iter().map(|p| screen_point(p.x, p.y)).collect(), Stroke::new(2.0, BEYOND_COLOR));
     }
     painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
     if let Some((_, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
-        cross_mark(painter, screen_point(x, y), METHOD);
+        draw_mark(painter, screen_point(x, y), METHOD_COLOR);
     }
     if let Some(o) = ray.oracle.position() {
         let o = screen_point(o.x as f32, o.y as f32);
-        painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE));
+        painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE_COLOR));
     }
 }
 
 /// Draws a small cross at a point.
-fn cross_mark(painter: &Painter, centre: Pos2, color: Color32) {
+fn draw_mark(painter: &Painter, centre: Pos2, color: Color32) {
     for (dx, dy) in [(6.0, 6.0), (6.0, -6.0)] {
         painter.line_segment(
             [pos2(centre.x - dx, centre.y - dy), pos2(centre.x + dx, centre.y + dy)],

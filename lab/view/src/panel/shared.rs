@@ -66,3 +66,11 @@ pub fn heading(ui: &mut Ui, text: impl Into<String>) {
     ui.add_space(6.0);
     ui.label(RichText::new(text).strong());
 }
+
+/// Draws the first row of a table: the titles of its columns.
+pub fn header_row(ui: &mut Ui, titles: &[&str]) {
+    for title in titles {
+        ui.label(RichText::new(*title).weak());
+    }
+    ui.end_row();
+}

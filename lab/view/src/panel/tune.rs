@@ -1,6 +1,6 @@
 //! Lets the user choose scene, view, methods and materials; [`super::options`] draws the options of the methods.
 
-use super::options::{PUBLISHED, side};
+use super::options::{PUBLISHED, draw_side};
 use super::shared::{PanelData, dot, heading};
 use crate::state::State;
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
@@ -8,7 +8,7 @@ use ssct::passes::look::Compare;
 
 /// Draws this part of the panel: the rows for scene, view, methods and materials.
 pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
-    place(ui, state, data);
+    draw_place(ui, state, data);
     heading(ui, "Compare");
     ui.horizontal(|ui| {
         for (compare, text) in
@@ -25,9 +25,9 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
         }
     }
     for i in 0..state.rendered().len() {
-        side(ui, state, i);
+        draw_side(ui, state, i);
     }
-    materials(ui, state);
+    draw_materials(ui, state);
     ui.add_space(8.0);
     ui.horizontal(|ui| {
         dot(ui, PUBLISHED);
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
 }
 
 /// Draws the rows for scene, view and speed.
-fn place(ui: &mut Ui, state: &mut State, data: &PanelData) {
+fn draw_place(ui: &mut Ui, state: &mut State, data: &PanelData) {
     Grid::new("place").num_columns(2).show(ui, |ui| {
         ui.label("scene");
         ComboBox::from_id_salt("scene").selected_text(&state.scene).show_ui(ui, |ui| {
@@ -74,18 +74,18 @@ fn place(ui: &mut Ui, state: &mut State, data: &PanelData) {
 }
 
 /// Draws the sliders that replace the materials' roughness and normal deviation, or scale their reflectivity.
-fn materials(ui: &mut Ui, state: &mut State) {
+fn draw_materials(ui: &mut Ui, state: &mut State) {
     heading(ui, "Materials");
     let globals = &mut state.globals;
     for (name, value) in [("roughness", &mut globals.roughness), ("normal deviation", &mut globals.normal_deviation)] {
         ui.horizontal(|ui| {
             // A material keeps its own value if there is no number to replace it.
-            let mut own = value.is_none();
+            let mut keeps_own = value.is_none();
             let mut number = value.unwrap_or(0.0);
-            let slider = ui.add_enabled(!own, Slider::new(&mut number, 0.0..=1.0).text(name));
-            ui.checkbox(&mut own, "own").on_hover_text("each material keeps its own");
-            if slider.changed() || own != value.is_none() {
-                *value = (!own).then_some(number);
+            let slider = ui.add_enabled(!keeps_own, Slider::new(&mut number, 0.0..=1.0).text(name));
+            ui.checkbox(&mut keeps_own, "own").on_hover_text("each material keeps its own");
+            if slider.changed() || keeps_own != value.is_none() {
+                *value = (!keeps_own).then_some(number);
             }
         });
     }

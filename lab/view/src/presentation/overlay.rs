@@ -34,7 +34,7 @@ impl Overlay {
         // `FrameContext` waits for each frame before the next.
         let options = Options { in_flight_frames: 1, srgb_framebuffer: true, ..Options::default() };
         let renderer = Renderer::with_allocator(Memory(gpu.clone()), gpu.raw().clone(), mode, options)
-            .map_err(failed("making its pipeline"))?;
+            .map_err(named_error("making its pipeline"))?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.shared().queue_family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
@@ -47,12 +47,12 @@ impl Overlay {
     /// Uploads the changes of egui's textures, in submissions of their own, and waits for these.
     pub fn update_textures(&mut self, changes: &mut egui::TexturesDelta) -> Result<()> {
         for id in self.unused.drain(..) {
-            self.renderer.free_texture(id).map_err(failed("freeing a texture"))?;
+            self.renderer.free_texture(id).map_err(named_error("freeing a texture"))?;
         }
         let queue = self.gpu.queue()?;
         for (id, delta) in changes.set.drain().flat_map(|(id, deltas)| deltas.into_iter().map(move |d| (id, d))) {
             self.gpu.count_submission();
-            self.renderer.set_texture(*queue, self.pool, id, &delta).map_err(failed("uploading a texture"))?;
+            self.renderer.set_texture(*queue, self.pool, id, &delta).map_err(named_error("uploading a texture"))?;
         }
         self.unused.extend(changes.free.drain());
         Ok(())
@@ -70,7 +70,7 @@ impl Overlay {
         frame.overlay("panel", target, |commands| {
             self.renderer
                 .cmd_draw(commands, vk::Extent2D { width, height }, pixels_per_point, triangles)
-                .map_err(failed("drawing"))
+                .map_err(named_error("drawing"))
         })
     }
 }
@@ -101,7 +101,7 @@ impl Allocator for Memory {
         size: usize,
         usage: vk::BufferUsageFlags,
     ) -> RendererResult<(vk::Buffer, OverlayResource)> {
-        let buffer = Buffer::new(&self.0, "panel", size as u64, usage, MemoryPlace::Upload).map_err(refused)?;
+        let buffer = Buffer::new(&self.0, "panel", size as u64, usage, MemoryPlace::Upload).map_err(renderer_error)?;
         Ok((buffer.handle(), OverlayResource::Buffer(buffer)))
     }
 
@@ -123,7 +123,7 @@ impl Allocator for Memory {
                 usage: vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED,
             },
         )
-        .map_err(refused)?;
+        .map_err(renderer_error)?;
         Ok((image.handle(), OverlayResource::Image(image)))
     }
 
@@ -147,7 +147,7 @@ impl Allocator for Memory {
             return Err(RendererError::Allocator("a texture is no buffer".into()));
         };
         let size = size_of_val(data);
-        let Some(bytes) = buffer.bytes_mut().map_err(refused)?.get_mut(..size) else {
+        let Some(bytes) = buffer.bytes_mut().map_err(renderer_error)?.get_mut(..size) else {
             return Err(RendererError::Allocator(format!("a buffer has no room for {size} bytes")));
         };
         // SAFETY: both are `size` bytes long, and the buffer's bytes do not overlap the data's.
@@ -157,7 +157,7 @@ impl Allocator for Memory {
 }
 
 /// Turns an error of this program into an error of the renderer.
-fn refused(error: Error) -> RendererError {
+fn renderer_error(error: Error) -> RendererError {
     match error {
         Error::Vulkan { result, .. } => RendererError::Vulkan(result),
         other => RendererError::Allocator(other.to_string()),
@@ -166,7 +166,7 @@ fn refused(error: Error) -> RendererError {
 
 /// Returns a function that turns an error of the renderer into an error of this program; `what` says what the renderer
 /// did.
-fn failed(what: &'static str) -> impl Fn(RendererError) -> Error {
+fn named_error(what: &'static str) -> impl Fn(RendererError) -> Error {
     move |e| match e {
         RendererError::Vulkan(result) => Error::Vulkan { what: format!("the panel: {what}"), result },
         other => Error::Memory { what: format!("the panel ({what})"), message: other.to_string() },

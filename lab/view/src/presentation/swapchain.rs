@@ -43,7 +43,7 @@ impl PresentMode {
 
     /// Returns Vulkan's value for the mode; an error that lists the offered modes if the surface does not offer this
     /// one.
-    fn among(self, offered: &[vk::PresentModeKHR]) -> Result<vk::PresentModeKHR> {
+    fn choose_offered(self, offered: &[vk::PresentModeKHR]) -> Result<vk::PresentModeKHR> {
         if offered.contains(&self.vulkan()) {
             return Ok(self.vulkan());
         }
@@ -120,7 +120,7 @@ impl Swapchain {
         // `gpu`. The surface is destroyed in `drop`.
         let surface = unsafe { ash_window::create_surface(&shared.entry, &shared.instance, display, handle, None) }
             .map_err(vulkan("creating the window's surface"))?;
-        let mut made = Self {
+        let mut swapchain = Self {
             gpu: gpu.clone(),
             surfaces: ash::khr::surface::Instance::new(&shared.entry, &shared.instance),
             surface,
@@ -132,9 +132,9 @@ impl Swapchain {
             stale: false,
             _window: window.clone(),
         };
-        made.negotiate(mode)?;
-        made.acquired = semaphore(gpu, "acquired")?;
-        Ok(made)
+        swapchain.choose_format_and_mode(mode)?;
+        swapchain.acquired = make_semaphore(gpu, "acquired")?;
+        Ok(swapchain)
     }
 
     /// Prepares for a window of a size in pixels: makes a new swapchain if the size changed or the presentation engine
@@ -211,7 +211,7 @@ impl Swapchain {
     }
 
     /// Chooses the format and the present mode from those that device and surface have in common.
-    fn negotiate(&mut self, mode: PresentMode) -> Result<()> {
+    fn choose_format_and_mode(&mut self, mode: PresentMode) -> Result<()> {
         let (shared, name) = (self.gpu.shared(), &self.gpu.info().name);
         // SAFETY: the physical device and the surface belong to one instance.
         let (presents, formats, modes) = unsafe {
@@ -236,7 +236,7 @@ impl Swapchain {
         };
         self.format = surface_format(&formats, encodes)
             .ok_or_else(|| Error::NoWindow(format!("{name} has no 8-bit sRGB format for it")))?;
-        self.present_mode = mode.among(&modes)?;
+        self.present_mode = mode.choose_offered(&modes)?;
         Ok(())
     }
 
@@ -261,7 +261,7 @@ impl Swapchain {
             unsafe { self.swapchains.get_swapchain_images(handle) }.map_err(vulkan("vkGetSwapchainImagesKHR"))?;
         for image in images {
             chain.images.push(Image::of_swapchain(&self.gpu, image, self.format.shown.format, extent));
-            chain.rendered.push(semaphore(&self.gpu, "rendered")?);
+            chain.rendered.push(make_semaphore(&self.gpu, "rendered")?);
         }
         self.stale = false;
         Ok(())
@@ -331,7 +331,7 @@ impl Drop for Swapchain {
 }
 
 /// Makes a semaphore with a debug name, which the caller must destroy.
-fn semaphore(gpu: &Gpu, name: &str) -> Result<vk::Semaphore> {
+fn make_semaphore(gpu: &Gpu, name: &str) -> Result<vk::Semaphore> {
     // SAFETY: the create info is complete; the caller destroys the semaphore.
     let made = unsafe { gpu.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
         .map_err(vulkan("vkCreateSemaphore"))?;
@@ -421,8 +421,8 @@ mod tests {
     #[test]
     fn a_mode_that_is_not_there_is_a_sentence() {
         let offered = [vk::PresentModeKHR::IMMEDIATE, vk::PresentModeKHR::FIFO];
-        assert_eq!(PresentMode::Immediate.among(&offered).unwrap(), vk::PresentModeKHR::IMMEDIATE);
-        let error = PresentMode::Mailbox.among(&offered).unwrap_err().to_string();
+        assert_eq!(PresentMode::Immediate.choose_offered(&offered).unwrap(), vk::PresentModeKHR::IMMEDIATE);
+        let error = PresentMode::Mailbox.choose_offered(&offered).unwrap_err().to_string();
         assert!(error.contains("fifo, immediate"), "{error}");
     }
 }

@@ -28,7 +28,7 @@ fn every_part_of_the_panel_opens_and_every_method_is_shown() {
         bench.viewer.state.picked = Some([100, 350]);
         bench.settle();
         let screen = bench.screen();
-        bench.is_valid(title);
+        bench.assert_valid(title);
         assert!(colors(&screen, 0..200) > 40, "{title}: the picture has {} colours", colors(&screen, 0..200));
         assert!(colors(&screen, 220..540) > 8, "{title}: the panel is empty");
         let bits = screen.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -41,7 +41,7 @@ fn every_part_of_the_panel_opens_and_every_method_is_shown() {
             bench.viewer.state.compare = compare;
             bench.viewer.state.tab = if compare == Compare::One { Tab::Live } else { Tab::Tune };
             bench.settle();
-            bench.is_valid(info.name);
+            bench.assert_valid(info.name);
         }
         bench.viewer.state.compare = Compare::One;
         bench.settle();
@@ -68,7 +68,7 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
         for level in [0, 3, image.levels - 1] {
             bench.viewer.state.inside = Some(InnerImage { name: image.name.clone(), level });
             bench.settle();
-            bench.is_valid(&image.name);
+            bench.assert_valid(&image.name);
         }
     }
     // Level 3 of the chain consists of blocks of 8 pixels with one colour each.
@@ -82,13 +82,13 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
     let steps = bench.viewer.read_picture().unwrap().unwrap();
     let most = steps.texels().map(|t| t[0]).fold(0.0, f32::max);
     assert!(most > 10.0 && most < 1025.0 && steps.texels().any(|t| t[0] == 0.0), "{most} steps at most");
-    bench.is_valid("steps");
+    bench.assert_valid("steps");
 }
 
 #[test]
 fn captures_are_shown_as_crosses_at_every_level() {
     let mut bench = TestViewer::new();
-    bench.with_captures("1");
+    bench.turn_captures_on("1");
     bench.viewer.state.tab = Tab::Inside;
     bench.settle();
     let images = bench.viewer.images();
@@ -99,7 +99,7 @@ fn captures_are_shown_as_crosses_at_every_level() {
         for level in HashSet::from([0, levels - 1]) {
             bench.viewer.state.inside = Some(InnerImage { name: name.into(), level });
             bench.settle();
-            bench.is_valid(name);
+            bench.assert_valid(name);
             let picture = bench.viewer.read_picture().unwrap().unwrap();
             // The picture is 200 pixels wide and high: faces have 50 pixels a side, and the cross begins at row 25.
             assert_eq!([picture.width, picture.height], [200, 200]);
@@ -148,7 +148,7 @@ fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
     for extent in [[1, 1], [1000, 3], [3, 700], [421, 2], [641, 479], [2, 2], [420, 419], [1, 333]] {
         bench.extent = extent;
         bench.round(Vec::new());
-        bench.is_valid(&format!("{extent:?}"));
+        bench.assert_valid(&format!("{extent:?}"));
         let screen = bench.screen();
         assert_eq!([screen.width, screen.height], extent);
     }
@@ -160,7 +160,7 @@ fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
         (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.texel(x, y).to_vec()).collect::<Vec<_>>()
     };
     assert!(picture(&before) == picture(&after));
-    bench.is_valid("the last");
+    bench.assert_valid("the last");
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
     // On another monitor a point has two pixels, and the window keeps its size in points.
     (bench.pixels_per_point, bench.extent) = (2.0, EXTENT.map(|v| 2 * v));
     bench.settle();
-    bench.is_valid("two pixels a point");
+    bench.assert_valid("two pixels a point");
     let large = bench.viewer.read_picture().unwrap().unwrap();
     assert_eq!([large.width, large.height], [2 * small.width, 2 * small.height]);
     bench.drag([100.0, 100.0], [120.0, 100.0]);
@@ -180,7 +180,7 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
     (bench.pixels_per_point, bench.extent) = (1.0, EXTENT);
     bench.settle();
     assert!(bench.viewer.read_picture().unwrap().unwrap() == small, "back, the picture is the same");
-    bench.is_valid("back");
+    bench.assert_valid("back");
 }
 
 #[test]
@@ -199,5 +199,5 @@ fn another_scene_is_loaded_and_the_first_comes_back() {
     bench.viewer.act(Action::View(2));
     bench.settle();
     assert!(bench.viewer.read_picture().unwrap().unwrap() == first, "{}", bench.viewer.title());
-    bench.is_valid("scenes");
+    bench.assert_valid("scenes");
 }

@@ -21,7 +21,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
     bench.viewer.state.globals.roughness = Some(0.6);
     // For each option a value that differs from its default.
-    let another = [
+    let values = [
         ("iterations", "3"),
         ("start-level", "4"),
         ("cross-offset", "4"),
@@ -108,7 +108,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("resolve-stage", "compute"),
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
-    assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
+    assert!(parameters.iter().all(|p| values.iter().any(|(name, _)| name == p)), "{parameters:?}");
     // Renders a method with options. Returns the bits of its picture, its passes and the names of its images.
     let frame = |bench: &mut TestViewer, info, options: &[(&str, &str)]| {
         let options = options.iter().map(|(flag, value)| ((*flag).to_owned(), (*value).to_owned()));
@@ -122,14 +122,15 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     };
     for info in METHODS {
         let (read, unread): (Vec<_>, Vec<_>) =
-            another.into_iter().partition(|(name, _)| info.reads().iter().any(|p| p.typed_name() == *name));
+            values.into_iter().partition(|(name, _)| info.read_parameters().iter().any(|p| p.typed_name() == *name));
         let default = frame(&mut bench, info, &[]);
-        let with_unread = frame(&mut bench, info, &not_refused(info, unread));
-        let apart = rmse(&with_unread.0, &default.0);
-        assert!((&with_unread.1, &with_unread.2) == (&default.1, &default.2), "{}: what it does not read", info.name);
+        let (default_picture, default_passes, default_images) = &default;
+        let (picture, passes, images) = frame(&mut bench, info, &not_refused(info, unread));
+        let difference = rmse(&picture, default_picture);
+        assert!((&passes, &images) == (default_passes, default_images), "{}: what it does not read", info.name);
         // Rays are listed in the order in which threads find them. The last bit of a ray's colour in captures may
         // depend on its neighbours in the list.
-        assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
+        assert!(if info.takes_captures { difference < 1e-4 } else { difference == 0.0 }, "{}: {difference}", info.name);
         for option in read {
             // Some options cannot show in this picture. No ray of a mirror meets a quad here, and no quad is behind
             // anything, so that the methods of quads are left out. Nothing reads the maximum of the Hi-Z. Both stages
@@ -194,7 +195,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             assert!(frame(&mut bench, info, &with) != without, "{}: {option:?} changes nothing", info.name);
         }
     }
-    bench.is_valid("options");
+    bench.assert_valid("options");
 }
 
 /// Returns the root mean square difference of two pictures, which are given as the bits of their floats; infinite if
@@ -243,18 +244,18 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
     bench.click(60.0, 180.0);
     bench.settle();
     assert_eq!(bench.viewer.state.picked, Some([60, 180]));
-    assert_eq!(bench.viewer.ray().map(|r| r.pixel), Some([60, 180]));
+    assert_eq!(bench.viewer.ray.as_ref().map(|r| r.pixel), Some([60, 180]));
     assert!(!bench.viewer.state.moved, "a click does not turn");
-    let report = bench.viewer.pixel().unwrap().clone();
+    let report = bench.viewer.pixel.as_ref().unwrap().clone();
     assert_eq!((report.pixel, &report.method[..]), ([60, 180], "ssct"));
     assert!(!report.why.is_empty() && report.surface.mesh.is_some(), "{report:?}");
     bench.click(100.0, 40.0);
     bench.settle();
-    assert_eq!(bench.viewer.pixel().unwrap().pixel, [100, 40], "another pixel is explained");
+    assert_eq!(bench.viewer.pixel.as_ref().unwrap().pixel, [100, 40], "another pixel is explained");
     bench.viewer.act(Action::Roughness(1.0));
     bench.round(Vec::new());
-    assert!(bench.viewer.pixel().is_none(), "nothing is said of a frame that changed");
-    bench.is_valid("the ray");
+    assert!(bench.viewer.pixel.is_none(), "nothing is said of a frame that changed");
+    bench.assert_valid("the ray");
 }
 
 #[test]
@@ -270,7 +271,7 @@ fn the_drawn_walk_is_the_shaders() {
         bench.settle();
         let inspection = bench.viewer.inspection().unwrap();
         let hits = inspection.hits.as_ref().unwrap();
-        let (mut rays, mut same, mut steps) = (0, 0, 0);
+        let (mut rays, mut alike, mut steps) = (0, 0, 0);
         for y in (0..hits.height).step_by(7) {
             for x in (0..hits.width).step_by(7) {
                 let hit = hits.texel(x, y);
@@ -278,8 +279,8 @@ fn the_drawn_walk_is_the_shaders() {
                 let walk = inspection.pick([x, y]).unwrap().walk;
                 let agrees = match (code, walk.as_ref().map(|w| (w.end, w.last()))) {
                     (PathCode::HiZ, Some((WalkEnd::Hit, end))) => {
-                        let off = Vec2::new(hit[0] * hits.width as f32, hit[1] * hits.height as f32) - end;
-                        off.abs().max_element() <= 1.0
+                        let distance_px = Vec2::new(hit[0] * hits.width as f32, hit[1] * hits.height as f32) - end;
+                        distance_px.abs().max_element() <= 1.0
                     }
                     (PathCode::Exhausted, Some((WalkEnd::Exhausted, _)))
                     | (PathCode::None | PathCode::Linear | PathCode::LinearMiss, None) => true,
@@ -287,12 +288,12 @@ fn the_drawn_walk_is_the_shaders() {
                     _ => false,
                 };
                 rays += 1;
-                same += usize::from(agrees);
+                alike += usize::from(agrees);
                 steps += walk.map_or(0, |w| w.cells.len());
             }
         }
-        println!("{method}: {same} of {rays} rays end alike, {steps} steps");
-        assert!(same as f64 >= least * f64::from(rays) && steps > 2000, "{method}: {same} of {rays}, {steps} steps");
+        println!("{method}: {alike} of {rays} rays end alike, {steps} steps");
+        assert!(alike as f64 >= least * f64::from(rays) && steps > 2000, "{method}: {alike} of {rays}, {steps} steps");
     }
 }
 
@@ -312,9 +313,9 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains(from));
         std::fs::write(&path, text.replace(from, to)).unwrap();
-        sender.send(watch.look()).unwrap();
+        sender.send(watch.scan()).unwrap();
         bench.settle();
-        bench.is_valid(to);
+        bench.assert_valid(to);
         let status = bench.viewer.shader_statuses();
         let status = status.iter().find(|(name, _)| *name == "common/composite.frag").unwrap().1.clone();
         (status, bench.viewer.read_picture().unwrap().unwrap())
@@ -370,10 +371,10 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     bench.viewer.state.tab = Tab::Captures;
     bench.settle();
     bench.viewer.act(Action::MoveCapture);
-    let said = &bench.viewer.captures.message;
-    assert!(said.contains("no capture to move") && said.contains("ssct follows no rays in captures"), "{said}");
+    let text = &bench.viewer.captures.message;
+    assert!(text.contains("no capture to move") && text.contains("ssct follows no rays in captures"), "{text}");
     bench.viewer.captures.forget();
-    bench.with_captures("1");
+    bench.turn_captures_on("1");
     bench.settle();
     let placed = bench.viewer.captures_shown();
     let before = bench.viewer.read_picture().unwrap().unwrap();
@@ -384,10 +385,7 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     let places = |bench: &TestViewer| bench.viewer.captures_shown().iter().map(|c| c.position).collect::<Vec<_>>();
     assert_eq!(places(&bench), [placed[0].position, eye], "the captures that rays go on in");
     assert_eq!(bench.viewer.state.sides[0].options["captures"], "auto");
-    bench.viewer.state.steer(|camera| {
-        camera.put((placed[0].position, eye));
-        true
-    });
+    bench.viewer.state.put_camera((placed[0].position, eye));
     bench.viewer.act(Action::MoveCapture);
     bench.settle();
     assert_eq!(places(&bench), [placed[0].position; 2]);
@@ -404,13 +402,13 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     in_file.iter_mut().for_each(|c| c.position.z = -c.position.z);
     let saved = ssct_scenes::capture_file::encode_tables(&in_file);
     assert_eq!(std::fs::read_to_string(folder.path().join("c.toml")).unwrap(), saved);
-    bench.is_valid("captures");
+    bench.assert_valid("captures");
 }
 
 #[test]
 fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     let mut bench = TestViewer::new();
-    bench.with_captures("1");
+    bench.turn_captures_on("1");
     bench.viewer.state.tab = Tab::Ray;
     bench.settle();
     let inspection = bench.viewer.inspection().unwrap();
@@ -422,41 +420,41 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
         rays.iter().filter_map(|r| Some((r.pixel, r.in_world.filter(|b| b.capture == Some(0))?))).collect();
     assert!(hits.len() > 20, "{} rays hit in the capture", hits.len());
     for ray in rays.iter().filter(|r| r.method.is_some_and(|(code, _)| code.is_hit())) {
-        let way = ray.in_world.unwrap();
-        assert!(way.end == way.lost && ray.beyond_on_screen.is_none(), "a hit on the screen is an end: {way:?}");
+        let path = ray.in_world.unwrap();
+        assert!(path.end == path.lost && ray.beyond_on_screen.is_none(), "a hit on the screen is an end: {path:?}");
     }
     let place = bench.viewer.captures_shown()[0];
     for (pixel, beyond) in &hits {
         // The screen loses the ray somewhere between the ray's beginning and its end, which lie on one line.
-        let (whole, lost) = (beyond.end - beyond.begin, beyond.lost - beyond.begin);
-        let along = lost.dot(whole) / whole.length_squared();
-        let aside = (lost - along * whole).length();
-        assert!((-0.01..=1.01).contains(&along) && aside < 0.01 * whole.length() + 0.01, "{pixel:?}: {beyond:?}");
-        assert!(beyond.end.distance(eye) < 100.0 && beyond.way().first() == Some(&beyond.begin));
+        let (to_end, to_lost) = (beyond.end - beyond.begin, beyond.lost - beyond.begin);
+        let share = to_lost.dot(to_end) / to_end.length_squared();
+        let off_line = (to_lost - share * to_end).length();
+        assert!((-0.01..=1.01).contains(&share) && off_line < 0.01 * to_end.length() + 0.01, "{pixel:?}: {beyond:?}");
+        assert!(beyond.end.distance(eye) < 100.0 && beyond.points().first() == Some(&beyond.begin));
     }
     bench.viewer.state.picked = Some(hits[0].0);
     bench.viewer.state.inside = Some(InnerImage { name: "capture-1-depth".into(), level: 0 });
     bench.settle();
-    bench.is_valid("the ray in a capture");
+    bench.assert_valid("the ray in a capture");
     // At the place in the capture's picture that shows the end of a ray, the depth must be that of the end.
     let picture = bench.viewer.read_picture().unwrap().unwrap();
     let cross = Cross::new([picture.width, picture.height]);
     let clip = ssct_scenes::capture::face_camera(place.position, 4, place.near_m).view_to_clip_reversed();
-    let mut right = 0;
+    let mut agreeing = 0;
     for (_, beyond) in &hits {
         let from = beyond.end - place.position;
         let (_, position) = cross.face_and_point(from);
         let shown = picture.texel(position.x as u32, position.y as u32)[0];
         let z = from.abs().max_element();
         let expected = clip.project_point3(glam::Vec3::new(0.0, 0.0, z)).z;
-        right += usize::from((shown / expected - 1.0).abs() < 0.1);
+        agreeing += usize::from((shown / expected - 1.0).abs() < 0.1);
     }
-    assert!(right * 10 >= hits.len() * 9, "{right} of {} ends lie where the capture has them", hits.len());
+    assert!(agreeing * 10 >= hits.len() * 9, "{agreeing} of {} ends lie where the capture has them", hits.len());
     bench.viewer.state.inside = None;
     bench.settle();
-    let with = bench.screen();
+    let with_ray = bench.screen();
     bench.viewer.state.picked = Some([0, 0]);
     bench.settle();
-    assert!(bench.screen() != with, "the ray is drawn");
-    bench.is_valid("the ray beyond the screen");
+    assert!(bench.screen() != with_ray, "the ray is drawn");
+    bench.assert_valid("the ray beyond the screen");
 }

@@ -56,7 +56,7 @@ impl Frame<'_> {
     ) -> Result<()> {
         let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
+            frame.bind_inputs(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, inputs)?;
             frame.bind(other, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: a pipeline that reads nothing is bound.
             unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };

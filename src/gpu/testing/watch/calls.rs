@@ -18,13 +18,13 @@ struct WatchedDevice {
 /// The devices that are watched. The functions of this file are given only a handle, and find its device here.
 static WATCHED: RwLock<Vec<Arc<WatchedDevice>>> = RwLock::new(Vec::new());
 
-fn find(matches: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
+fn find_watched(matches: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
     let all = WATCHED.read().unwrap_or_else(PoisonError::into_inner);
     all.iter().find(|device| matches(device)).cloned()
 }
 
 fn of_device(device: vk::Device) -> Option<Arc<WatchedDevice>> {
-    find(|watched| watched.device == device.as_raw())
+    find_watched(|watched| watched.device == device.as_raw())
 }
 
 /// Returns the device with its calls watched; `queue` is the queue that the device submits to.
@@ -97,7 +97,7 @@ macro_rules! object {
                 return result;
             }
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
-            w.watch.made($kind, 1, unsafe { (w.v1_0.$create)(device, info, callbacks, made) })
+            w.watch.count_made($kind, 1, unsafe { (w.v1_0.$create)(device, info, callbacks, made) })
         }
 
         unsafe extern "system" fn $destroy(
@@ -106,7 +106,7 @@ macro_rules! object {
             callbacks: *const vk::AllocationCallbacks<'_>,
         ) {
             let Some(w) = of_device(device) else { return };
-            w.watch.add($kind, -i64::from(!handle.is_null()));
+            w.watch.add_living($kind, -i64::from(!handle.is_null()));
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
             unsafe { (w.v1_0.$destroy)(device, handle, callbacks) };
         }
@@ -170,7 +170,7 @@ macro_rules! pipelines {
             }
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
             let result = unsafe { (w.v1_0.$create)(device, cache, count, infos, callbacks, made) };
-            w.watch.made("pipelines", count, result)
+            w.watch.count_made("pipelines", count, result)
         }
     };
 }
@@ -184,7 +184,7 @@ unsafe extern "system" fn destroy_pipeline(
     callbacks: *const vk::AllocationCallbacks<'_>,
 ) {
     let Some(w) = of_device(device) else { return };
-    w.watch.add("pipelines", -i64::from(!handle.is_null()));
+    w.watch.add_living("pipelines", -i64::from(!handle.is_null()));
     // SAFETY: the caller's arguments go unchanged to the driver's own call.
     unsafe { (w.v1_0.destroy_pipeline)(device, handle, callbacks) };
 }
@@ -226,7 +226,7 @@ unsafe extern "system" fn queue_submit2(
     submits: *const vk::SubmitInfo2<'_>,
     fence: vk::Fence,
 ) -> vk::Result {
-    let Some(w) = find(|w| w.queue == queue.as_raw()) else { return vk::Result::ERROR_UNKNOWN };
+    let Some(w) = find_watched(|w| w.queue == queue.as_raw()) else { return vk::Result::ERROR_UNKNOWN };
     match w.watch.submission() {
         // SAFETY: the caller's arguments go unchanged to the driver's own call.
         Submission::Works => unsafe { (w.v1_3.queue_submit2)(queue, count, submits, fence) },

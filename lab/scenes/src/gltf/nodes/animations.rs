@@ -56,9 +56,12 @@ struct SamplerJson {
 /// Converts the animations of a file to motions. `names` has the names of the nodes' meshes, by the nodes' indices, and
 /// `meshes` are the meshes of the scene. `origin`, in metres, is subtracted from every position in the world.
 pub(super) fn motions(
-    (data, animations): (&Data, &Value),
-    (nodes, origin): (&Nodes, DVec3),
-    (names, meshes): (&HashMap<usize, String>, &[Mesh]),
+    data: &Data,
+    animations: &Value,
+    nodes: &Nodes,
+    origin: DVec3,
+    names: &HashMap<usize, String>,
+    meshes: &[Mesh],
     notes: &mut Notes,
 ) -> Vec<Motion> {
     let accessors: Vec<Accessor> = data.document.accessors().collect();
@@ -72,7 +75,7 @@ pub(super) fn motions(
         let name = json.name.clone().unwrap_or_else(|| number.to_string());
         match changes(data, &accessors, &json, notes) {
             Ok(changes) => {
-                let movers = movers(data, nodes, origin, &changes, (names, meshes), notes);
+                let movers = movers(data, nodes, origin, &changes, names, meshes, notes);
                 if !movers.is_empty() {
                     motions.push(Motion { name, movers });
                 }
@@ -155,7 +158,8 @@ fn movers(
     nodes: &Nodes,
     origin: DVec3,
     changes: &HashMap<usize, Changes>,
-    (names, meshes): (&HashMap<usize, String>, &[Mesh]),
+    names: &HashMap<usize, String>,
+    meshes: &[Mesh],
     notes: &mut Notes,
 ) -> Vec<Mover> {
     let all: Vec<Node> = data.document.nodes().collect();
@@ -175,7 +179,7 @@ fn movers(
         if !ancestors.iter().any(|index| changes.contains_key(index)) {
             continue;
         }
-        let chain = chain(ancestors.iter().rev().map(|index| (&all[*index], changes.get(index))));
+        let chain = moving_chain(ancestors.iter().rev().map(|index| (&all[*index], changes.get(index))));
         count += ancestors.len();
         if count > MAX_NODES {
             notes.add(
@@ -185,8 +189,8 @@ fn movers(
             break;
         }
         let mover = Mover {
-            meshes: meshes_of(name, meshes),
-            root: subtract_origin * nodes.root(),
+            meshes: mesh_names_of_node(name, meshes),
+            root: subtract_origin * nodes.file_to_world(),
             nodes: chain,
             rest: subtract_origin * *to_world,
         };
@@ -205,10 +209,10 @@ fn movers(
 
 /// Makes the moving nodes from the root down to a node, from each node of this path and its changes, if it has any.
 /// Successive nodes that do not change are combined.
-fn chain<'a>(path: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> Vec<MovingNode> {
+fn moving_chain<'a>(path: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> Vec<MovingNode> {
     let mut chain: Vec<MovingNode> = Vec::new();
     for (node, changes) in path {
-        let rest = rest(node);
+        let rest = rest_transform(node);
         match (changes, chain.last_mut()) {
             (Some(changes), _) => chain.push(MovingNode { rest, changes: changes.clone() }),
             (None, Some(MovingNode { rest: Rest::Matrix(matrix), .. })) => *matrix *= rest.matrix(),
@@ -219,7 +223,7 @@ fn chain<'a>(path: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) ->
 }
 
 /// Returns the transform of a node, to its parent's space, while no animation plays.
-fn rest(node: &Node) -> Rest {
+fn rest_transform(node: &Node) -> Rest {
     match node.transform() {
         Transform::Matrix { matrix } => {
             Rest::Matrix(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))
@@ -233,7 +237,7 @@ fn rest(node: &Node) -> Rest {
 
 /// Returns the names of the meshes of a node. A mesh has the name of its node. A large mesh that was split has it with
 /// a number and the count of parts, as in "wall 1/3".
-fn meshes_of(name: &str, meshes: &[Mesh]) -> Vec<String> {
+fn mesh_names_of_node(name: &str, meshes: &[Mesh]) -> Vec<String> {
     let is_part = |rest: &str| {
         let part = rest.strip_prefix(' ').and_then(|rest| rest.split_once('/'));
         part.is_some_and(|(number, count)| number.parse::<u32>().is_ok() && count.parse::<u32>().is_ok())

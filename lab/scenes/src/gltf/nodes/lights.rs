@@ -18,7 +18,7 @@ pub(super) struct PlacedLight {
 /// Places a light in the world, and computes its illuminance at the scene's centre. Its colour is replaced by white of
 /// the same luminance. The result is `None` if the illuminance is not positive and finite, or if the light stands too
 /// far away.
-pub(super) fn lamp(
+pub(super) fn place_light(
     light: &gltf::khr_lights_punctual::Light,
     to_world: &DMat4,
     units: &Units,
@@ -63,7 +63,7 @@ pub(super) fn lamp(
 /// Returns the lights scaled by one exposure, with which the brightest gives 1 at the scene's centre, and a sentence
 /// about the exposure; no sentence without lights. If there are too many lights, the brightest are kept, with a note.
 /// Far from a point light of energy e the attenuation is e / d², as in glTF.
-pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<Light>, Option<String>) {
+pub(super) fn expose(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<Light>, Option<String>) {
     placed.sort_by(|a, b| b.illuminance.total_cmp(&a.illuminance));
     let most = constants::MAX_LIGHTS as usize;
     if placed.len() > most {
@@ -74,7 +74,7 @@ pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<L
         placed.truncate(most);
     }
     let Some(brightest) = placed.first().map(|light| light.illuminance) else { return (Vec::new(), None) };
-    let exposed = |placed: PlacedLight| match placed.light {
+    let with_exposure = |placed: PlacedLight| match placed.light {
         Light::Directional { direction, .. } => {
             Light::Directional { direction, energy: (placed.illuminance / brightest) as f32 }
         }
@@ -83,15 +83,15 @@ pub(super) fn exposed(mut placed: Vec<PlacedLight>, notes: &mut Notes) -> (Vec<L
     let shines = |light: &Light| match *light {
         Light::Directional { energy, .. } | Light::Point { energy, .. } => energy.is_finite() && energy > 0.0,
     };
-    let lights: Vec<Light> = placed.into_iter().map(exposed).filter(shines).collect();
+    let lights: Vec<Light> = placed.into_iter().map(with_exposure).filter(shines).collect();
     let sentence = format!(
         "its lights are exposed so that the brightest, which gives {} lx at the scene's centre, gives 1",
-        rounded(brightest)
+        lux_text(brightest)
     );
     (lights, Some(sentence))
 }
 
 /// Writes an illuminance in lux: as a whole number from 1000 on, else with three decimals.
-fn rounded(lux: f64) -> String {
+fn lux_text(lux: f64) -> String {
     if lux >= 1000.0 { format!("{lux:.0}") } else { format!("{lux:.3}") }
 }

@@ -36,24 +36,24 @@ fn curtains() -> Vec<MeshBuilder> {
 /// over `width` metres along x (negative: towards −x). The curtain is wide at the pole, gathered where it is tied, and
 /// hangs straight below.
 fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
-    const HEIGHT: f32 = 2.7;
+    const HEIGHT_M: f32 = 2.7;
     /// Height of the tie, as a share of the curtain's height.
     const TIE: f32 = 0.42;
     // The point of the cloth at the share s of its width and t of its height; its x is a share of the width.
     let surface = |s: f32, t: f32| {
-        let above = ((t - TIE) / (1.0 - TIE)).max(0.0);
-        let below = ((TIE - t) / TIE).max(0.0);
-        let open = 0.16 + 0.84 * smoothstep(0.0, 1.0, above).powf(0.8) + 0.10 * smoothstep(0.0, 0.7, below);
+        let above_tie = ((t - TIE) / (1.0 - TIE)).max(0.0);
+        let below_tie = ((TIE - t) / TIE).max(0.0);
+        let open = 0.16 + 0.84 * smoothstep(0.0, 1.0, above_tie).powf(0.8) + 0.10 * smoothstep(0.0, 0.7, below_tie);
         let folds = (TAU * 5.0 * s).sin() * (0.008 + 0.055 * open) + 0.015 * (TAU * 2.5 * s + 3.0 * t).sin();
-        let sag = 0.06 * (PI * s).sin() * smoothstep(0.5, 1.0, above);
-        (Vec3::new(s * open, HEIGHT * t - sag, folds), s)
+        let sag = 0.06 * (PI * s).sin() * smoothstep(0.5, 1.0, above_tie);
+        (Vec3::new(s * open, HEIGHT_M * t - sag, folds), s)
     };
     let right = width.signum();
     mesh.surface(foot, [48, 14], |s, t| {
         // A curtain towards −x is mirrored, so that the two of a pair have their front on the same side.
         let along = if right > 0.0 { s } else { 1.0 - s };
         let (point, cloth) = surface(along, t);
-        (Vec3::new(point.x * width, point.y, point.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT))
+        (Vec3::new(point.x * width, point.y, point.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT_M))
     });
 }
 
@@ -84,23 +84,25 @@ fn banners() -> Vec<MeshBuilder> {
 /// over the parapet into the gallery. `s` and `t` run from 0 to 1 across and along the cloth; `court` is the sign of z
 /// towards the court.
 fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
-    const WIDTH: f32 = 2.2;
+    const WIDTH_M: f32 = 2.2;
     /// The length that hangs into the court, in metres.
     const OUTSIDE: f32 = 1.45;
     /// Half the length that lies on the parapet, in metres.
     const ROUND: f32 = 0.42;
-    let across = WIDTH * (s - 0.5) * court;
+    let across = WIDTH_M * (s - 0.5) * court;
     let length = OUTSIDE + 2.0 * ROUND + 0.3;
-    // The distance along the cloth from its lower end, and how far above this end the court's side hangs.
+    // The distance along the cloth from its lower end, and how far below the parapet the cloth hangs in the court.
     let run = t * length;
     let hanging = (OUTSIDE - run).max(0.0);
     let hem = 0.12 * (TAU * 2.0 * s).cos() * smoothstep(OUTSIDE, 0.0, run);
     let folds = 0.035 * (TAU * 5.0 * s).sin() * smoothstep(0.0, 0.8, hanging);
-    let over = ((run - OUTSIDE) / (2.0 * ROUND)).clamp(0.0, 1.0);
-    let behind = (run - OUTSIDE - 2.0 * ROUND).max(0.0);
-    let (sin, cos) = (PI * over).sin_cos();
-    let position = Vec3::new(across, 0.10 * sin - hanging - behind + hem, court * (ROUND * cos + folds + 0.03));
-    (position, Vec2::new(WIDTH * (s - 0.5), run))
+    // The share of the way over the parapet, and how far below it the cloth hangs in the gallery.
+    let share_over_parapet = ((run - OUTSIDE) / (2.0 * ROUND)).clamp(0.0, 1.0);
+    let hanging_in_gallery = (run - OUTSIDE - 2.0 * ROUND).max(0.0);
+    let (sin, cos) = (PI * share_over_parapet).sin_cos();
+    let position =
+        Vec3::new(across, 0.10 * sin - hanging - hanging_in_gallery + hem, court * (ROUND * cos + folds + 0.03));
+    (position, Vec2::new(WIDTH_M * (s - 0.5), run))
 }
 
 /// Builds four large vases in the corners of the galleries, with a shrub in each.
@@ -168,7 +170,7 @@ fn lion() -> Vec<MeshBuilder> {
     // The slabs of the plate: half width, least and greatest height, and thickness, in metres.
     for (half, low, high, depth) in [(1.25, 0.4, 3.06, 0.12), (1.4, 0.28, 0.4, 0.2), (1.4, 3.06, 3.2, 0.2)] {
         let min = Vec3::new(WALL_X - depth, low, MIDDLE.z - half);
-        plate.cuboid_but(min, Vec3::new(WALL_X + 0.02, high, MIDDLE.z + half), &[Vec3::X]);
+        plate.cuboid_without(min, Vec3::new(WALL_X + 0.02, high, MIDDLE.z + half), &[Vec3::X]);
     }
     let mut head = mesh("lion", RELIEF);
     head.surface(MIDDLE, [48, 128], |s, t| {

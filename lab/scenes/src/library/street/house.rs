@@ -10,8 +10,10 @@ use ssct_ground::math::noise::unit;
 const GROUND_M: f32 = 4.0;
 /// Height of each storey above the ground floor, in metres.
 const STOREY_M: f32 = 3.15;
-/// Width and height of a window, and height of its sill above the storey's floor, in metres.
-const WINDOW: [f32; 3] = [1.15, 1.75, 0.85];
+/// Width and height of a window, in metres.
+const WINDOW_M: [f32; 2] = [1.15, 1.75];
+/// Height of a window's sill above the floor of its storey, in metres.
+const SILL_M: f32 = 0.85;
 /// Least width of a bay, in metres. A house is divided into equal bays, with one opening in each storey of a bay.
 const BAY_M: f32 = 2.55;
 /// Depth of the openings in the wall, in metres.
@@ -19,7 +21,7 @@ const RECESS_M: f32 = 0.2;
 /// Depth of a house, in metres. Its side walls are seen where they rise above lower neighbours.
 const DEPTH_M: f32 = 7.0;
 /// The share of windows with a lit room.
-const LIT: f32 = 0.3;
+const LIT_SHARE: f32 = 0.3;
 
 /// The kinds of ground floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +48,7 @@ pub struct HouseFront {
 }
 
 /// Returns the names of a house's meshes, each with the house's name in front.
-pub fn parts(name: &str) -> [String; 7] {
+pub fn mesh_names(name: &str) -> [String; 7] {
     ["wall", "trim", "dark-panes", "lit-panes", "shops", "doors", "glass"].map(|part| format!("{name}-{part}"))
 }
 
@@ -71,7 +73,7 @@ enum Filling {
 
 /// Builds all meshes of a house.
 pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
-    let names = parts(front.name);
+    let names = mesh_names(front.name);
     let mut wall = front.wall.renamed(&names[0]);
     let [mut trim, mut dark, mut lit, mut shops, mut doors, mut glass] =
         [(1, TRIM), (2, DARK_PANE), (3, LIT_PANE), (4, SHOP), (5, DOOR), (6, DARK_GLASS)]
@@ -87,7 +89,7 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
             Filling::Pane => {
                 // A random number, computed from the opening's number and the house, decides whether the room is lit.
                 let place = IVec2::new(number as i32, (front.height * 10.0) as i32 + front.span[0] as i32);
-                let pane = if unit(place, 467) < LIT { &mut lit } else { &mut dark };
+                let pane = if unit(place, 467) < LIT_SHARE { &mut lit } else { &mut dark };
                 face.picture(pane, rect, -RECESS_M);
                 let sill = Rect::new([rect.min.x - 0.1, rect.max.x + 0.1], [rect.min.y - 0.1, rect.min.y]);
                 face.block(&mut trim, sill, [-0.05, 0.1]);
@@ -137,17 +139,17 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
     let bay_width = (to - from) / count as f32;
     let middle = |bay: usize| from + (bay as f32 + 0.5) * bay_width;
     let window = |bay: usize, floor: f32| {
-        let [x, y] = [middle(bay), floor + WINDOW[2]];
-        Rect::new([x - 0.5 * WINDOW[0], x + 0.5 * WINDOW[0]], [y, y + WINDOW[1]])
+        let [x, y] = [middle(bay), floor + SILL_M];
+        Rect::new([x - 0.5 * WINDOW_M[0], x + 0.5 * WINDOW_M[0]], [y, y + WINDOW_M[1]])
     };
     let mut all = Vec::new();
     let mut add = |rect: Rect, filling: Filling| all.push(Opening { rect, filling });
-    let around = |x: f32, width: f32, heights: [f32; 2]| Rect::new([x - 0.5 * width, x + 0.5 * width], heights);
+    let upright_rect = |x: f32, width: f32, heights: [f32; 2]| Rect::new([x - 0.5 * width, x + 0.5 * width], heights);
     for bay in 0..count {
         match front.ground {
-            Ground::Shops if bay % 3 == 2 => add(around(middle(bay), 1.1, [0.15, 2.75]), Filling::Door),
-            Ground::Shops => add(around(middle(bay), bay_width - 0.5, [0.65, 3.1]), Filling::Shop),
-            Ground::Doors if bay % 4 == 1 => add(around(middle(bay), 1.15, [0.15, 2.75]), Filling::Door),
+            Ground::Shops if bay % 3 == 2 => add(upright_rect(middle(bay), 1.1, [0.15, 2.75]), Filling::Door),
+            Ground::Shops => add(upright_rect(middle(bay), bay_width - 0.5, [0.65, 3.1]), Filling::Shop),
+            Ground::Doors if bay % 4 == 1 => add(upright_rect(middle(bay), 1.15, [0.15, 2.75]), Filling::Door),
             Ground::Doors => add(window(bay, 0.35), Filling::Pane),
             Ground::Cinema => {}
         }
@@ -155,11 +157,11 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
     if front.ground == Ground::Cinema {
         let centre = 0.5 * (from + to);
         for door in -1..=1 {
-            add(around(centre + 1.35 * door as f32, 1.2, [0.15, 2.7]), Filling::Glass);
+            add(upright_rect(centre + 1.35 * door as f32, 1.2, [0.15, 2.7]), Filling::Glass);
         }
     }
     let mut floor = GROUND_M;
-    while floor + WINDOW[1] + WINDOW[2] + 0.7 < front.height {
+    while floor + WINDOW_M[1] + SILL_M + 0.7 < front.height {
         for bay in 0..count {
             // Windows of the cinema are higher, since its canopy covers the lower part of the first storey.
             let rect = window(bay, if front.ground == Ground::Cinema { floor + 0.5 } else { floor });

@@ -20,7 +20,7 @@ const BLENDER_ROUGHNESS: f32 = 0.5;
 
 /// The first major version of Blender in which the level of the specular reflection multiplies that of the index of
 /// refraction.
-const BLENDER_WITH_IOR: u32 = 4;
+const FIRST_BLENDER_WITH_IOR: u32 = 4;
 
 /// The program that wrote an MTL file, if it changes the meaning of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,7 +59,7 @@ pub(super) enum Law {
 impl Definition {
     /// Chooses the law of the material once all of its statements were read, and notes warnings about what this law
     /// drops.
-    pub(super) fn settle(&mut self, exporter: Exporter) {
+    pub(super) fn choose_law(&mut self, exporter: Exporter) {
         let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
         let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
         let has_specular = self.specular.is_some() || self.images.reflectivity.is_some();
@@ -73,7 +73,7 @@ impl Definition {
             Exporter::Unknown => Law::Wavefront,
         };
         if let (Some(place), Exporter::Blender(_)) = (self.transmission.take(), exporter) {
-            self.drop_at(&place, TRANSPARENCY);
+            self.note_dropped_at(&place, TRANSPARENCY);
         }
         let [exponent, reflection] = [self.exponent_image.take(), self.reflection_image.take()];
         if let Law::Blender(_) = self.law {
@@ -81,25 +81,25 @@ impl Definition {
             return;
         }
         if let Some(image) = exponent {
-            self.drop_at(&image.place(), "images of exponents (map_Ns) are not supported and were ignored");
+            self.note_dropped_at(&image.place(), "images of exponents (map_Ns) are not supported and were ignored");
         }
         if let Some(image) = reflection {
-            self.drop_at(&image.place(), "reflection maps (refl) are not supported and were ignored");
+            self.note_dropped_at(&image.place(), "reflection maps (refl) are not supported and were ignored");
         }
         if let Some(image) = self.images.reflectivity.take_if(|_| self.law == Law::Pbr(Exporter::Unknown)) {
-            self.drop_at(
+            self.note_dropped_at(
                 &image.place(),
                 "images of specular colour (map_Ks) do not count beside metalness and roughness",
             );
         }
     }
 
-    /// Returns the material that the statements describe, by the law that `settle` chose.
+    /// Returns the material that the statements describe, by the law that `choose_law` chose.
     pub(in crate::obj) fn reading(&self) -> MaterialReading {
         let factors = Factors {
-            base: self.base(),
-            metallic: self.metallic(),
-            emission: self.emitted(),
+            base: self.base_colour(),
+            metallic: self.metalness_factor(),
+            emission: self.emission_factor(),
             f0: Vec3::splat(self.f0()),
             specular: 1.0,
             unlit: false,
@@ -110,25 +110,25 @@ impl Definition {
             true => factors.reflectivity(&TexelInputs::default()),
             false => self.specular.map_or(1.0, luminance).clamp(0.0, 1.0),
         };
-        let roughness = self.lobe();
+        let roughness = self.lobe_roughness();
         let material = Material { albedo, emission, reflectivity, roughness, ..Material::default() };
-        MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual().unwrap_or(1.0) }
+        MaterialReading { material, factors, is_metallic, roughness_factor: self.perceptual_roughness().unwrap_or(1.0) }
     }
 
     /// Returns the linear base colour. Black together with an image counts as white, as exporters mean it.
-    fn base(&self) -> Vec3 {
+    fn base_colour(&self) -> Vec3 {
         let base = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
         if base == Vec3::ZERO && self.images.albedo.is_some() { Vec3::ONE } else { base }
     }
 
     /// Returns the linear emission. Black together with an image counts as white.
-    fn emitted(&self) -> Vec3 {
+    fn emission_factor(&self) -> Vec3 {
         let stated = self.emission.unwrap_or(Vec3::ZERO).clamp(Vec3::ZERO, Vec3::splat(1e6));
         if stated == Vec3::ZERO && self.images.emission.is_some() { Vec3::ONE } else { stated }
     }
 
     /// Returns the metalness, 0…1. A number of 0 together with an image counts as 1.
-    fn metallic(&self) -> f32 {
+    fn metalness_factor(&self) -> f32 {
         let stated = match self.law {
             Law::Wavefront => 0.0,
             // Blender writes the metalness as the ambient colour, but it writes white for a material without metalness,
@@ -151,7 +151,7 @@ impl Definition {
         // The level of the specular reflection is 0.5 by default, with which the factor 2 · level is 1.
         let by_level = |major| {
             let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
-            2.0 * level * if major >= BLENDER_WITH_IOR { by_ior } else { F0 }
+            2.0 * level * if major >= FIRST_BLENDER_WITH_IOR { by_ior } else { F0 }
         };
         match self.law {
             Law::Wavefront => 0.0,
@@ -162,7 +162,7 @@ impl Definition {
 
     /// Returns the perceptual roughness of glTF, 0…1, or the factor on the image of roughness if there is one. The
     /// result is `None` if the material gives no roughness and the law is not Blender's.
-    fn perceptual(&self) -> Option<f32> {
+    fn perceptual_roughness(&self) -> Option<f32> {
         if self.images.roughness.is_some() {
             return Some(self.roughness.filter(|roughness| *roughness > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
         }
@@ -174,8 +174,8 @@ impl Definition {
     }
 
     /// Returns the roughness ϱ, 0…1, that the numbers give without images.
-    fn lobe(&self) -> f32 {
-        match (self.perceptual(), self.law) {
+    fn lobe_roughness(&self) -> f32 {
+        match (self.perceptual_roughness(), self.law) {
             (Some(perceptual), _) => roughness_of_perceptual(perceptual),
             (None, Law::Wavefront) => self.exponent.map_or(0.0, roughness_of_exponent),
             (None, _) => self.exponent.map_or(roughness_of_perceptual(1.0), roughness_of_exponent),

@@ -55,14 +55,15 @@ pub fn embedded_json(page: &LibraryPage) -> String {
 #[derive(Default)]
 struct Names {
     list: Vec<String>,
+    /// The index of each text in the list.
     known: HashMap<String, usize>,
 }
 
 impl Names {
     /// Returns the index of a text in the list, to which it is added if it is new.
-    fn number(&mut self, name: &str) -> usize {
-        if let Some(known) = self.known.get(name) {
-            return *known;
+    fn index(&mut self, name: &str) -> usize {
+        if let Some(index) = self.known.get(name) {
+            return *index;
         }
         self.list.push(name.to_owned());
         self.known.insert(name.to_owned(), self.list.len() - 1);
@@ -74,14 +75,8 @@ impl Names {
     fn figure(&mut self, m: &Measurement) -> Json {
         let [width, height] = m.setting.size;
         let place = format!("{} {}, {width}x{height}, roughness {}", m.setting.scene, m.view, m.setting.roughness);
-        let rest = m.setting.rest.join(", ");
-        json!([
-            self.number(&place),
-            self.number(&rest),
-            self.number(&m.method),
-            self.number(m.quantity.title()),
-            m.value
-        ])
+        let rest = m.setting.other_settings.join(", ");
+        json!([self.index(&place), self.index(&rest), self.index(&m.method), self.index(m.quantity.title()), m.value])
     }
 
     /// Returns the total times of a run's frames as an array with an element for each subject, in order of appearance.
@@ -97,8 +92,8 @@ impl Names {
         }
         let group = |(subject, samples): &(&Arc<Subject>, Vec<&TimeSample>)| {
             let settings: Vec<[usize; 2]> =
-                subject.0.iter().map(|(name, value)| [self.number(name), self.number(value)]).collect();
-            let labels = subject_labels(subject).map(|label| self.number(&label));
+                subject.0.iter().map(|(name, value)| [self.index(name), self.index(value)]).collect();
+            let labels = subject_labels(subject).map(|label| self.index(&label));
             let floor = samples.first().and_then(|s| s.floors[0]);
             json!([settings, labels, floor, samples.iter().map(|s| s.ms).collect::<Vec<_>>()])
         };

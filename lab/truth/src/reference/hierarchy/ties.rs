@@ -16,15 +16,15 @@ impl Hierarchy<'_> {
     /// overlap, the only end is the oracle's.
     pub fn possible_ends(&self, segment: &Segment, rounding: f64) -> Vec<Option<[f64; 2]>> {
         let sides = [self.levels[0].width, self.levels[0].height];
-        let mut lanes = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
+        let mut walks = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut ends = Vec::new();
-        // Block of the current pixel; none for the starting pixel, which is not tested.
+        // The block of the current pixel; none for the starting pixel, which is not tested.
         let mut block = None;
         let mut entry = 0.0;
         loop {
-            let crossings = [0, 1].map(|axis| lanes[axis].exit(0));
+            let crossings = [0, 1].map(|axis| walks[axis].exit(0));
             let exit = crossings[0].min(crossings[1]);
-            if let Some(end) = block.and_then(|block| meets(segment, &lanes, block, [entry, exit.min(1.0)])) {
+            if let Some(end) = block.and_then(|block| meets(segment, &walks, block, [entry, exit.min(1.0)])) {
                 ends.push(Some(end));
                 return ends;
             }
@@ -40,20 +40,20 @@ impl Hierarchy<'_> {
             let is_next = crossings.map(|crossing| crossing - exit <= error);
             if is_next == [true; 2] {
                 for axis in 0..2 {
-                    let mut beside = lanes;
-                    beside[axis].pixel += beside[axis].direction;
+                    let mut beside_corner = walks;
+                    beside_corner[axis].pixel += beside_corner[axis].direction;
                     let span = [exit - error, (exit + error).min(1.0)];
-                    match self.cell(&beside, 0) {
-                        Some(block) => ends.extend(meets(segment, &beside, block, span).map(Some)),
+                    match self.cell(&beside_corner, 0) {
+                        Some(block) => ends.extend(meets(segment, &beside_corner, block, span).map(Some)),
                         None => ends.push(None),
                     }
                 }
             }
-            for (lane, _) in lanes.iter_mut().zip(is_next).filter(|(_, is_next)| *is_next) {
-                lane.pixel += lane.direction;
+            for (walk, _) in walks.iter_mut().zip(is_next).filter(|(_, is_next)| *is_next) {
+                walk.pixel += walk.direction;
             }
             entry = exit;
-            block = self.cell(&lanes, 0);
+            block = self.cell(&walks, 0);
             if block.is_none() {
                 ends.push(None);
                 return ends;
@@ -64,11 +64,11 @@ impl Hierarchy<'_> {
 
 /// Returns the place, in pixels, where a ray hits the block of the current pixel; `None` if it does not hit. The ray is
 /// in the pixel from s = `entry` to s = `exit`.
-fn meets(segment: &Segment, lanes: &[AxisWalk; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
+fn meets(segment: &Segment, walks: &[AxisWalk; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
     let (at_entry, at_exit) = (segment.depth_at(entry), segment.depth_at(exit));
     let (near, far) = (at_entry.max(at_exit), at_entry.min(at_exit));
     let is_met = far <= block.front && near >= block.back;
-    match hit(segment, lanes, block.front, [entry, exit], [near, far]) {
+    match hit(segment, walks, block.front, [entry, exit], [near, far]) {
         Outcome::Hit { position, .. } if is_met => Some([position.x, position.y]),
         _ => None,
     }

@@ -94,8 +94,8 @@ fn an_empty_room_shows_its_walls_where_they_are() {
         match (end, room.hit(start, direction)) {
             (EndInImages::Capture { place, texel_m, .. }, Some((t, normal))) => {
                 let truth = start + t * direction;
-                // A wall consists of steps of a texel, which a grazing ray meets earlier or later, by a texel divided by the
-                // slope.
+                // A wall consists of steps of a texel, which a grazing ray meets earlier or later, by a texel divided
+                // by the slope.
                 let allowed = 2.0 * texel_m * (1.0 + 1.0 / normal.dot(direction).abs());
                 assert!(place.distance(truth) <= allowed, "{start} {direction}: {place}, {truth}");
                 walls += 1;

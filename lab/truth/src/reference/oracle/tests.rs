@@ -61,7 +61,7 @@ fn rays_towards_the_camera_end_at_the_near_plane() {
     let g = flat(9, 9, 5.0);
     let straight = Oracle::new(&g).trace(4, 4);
     assert_eq!((straight.outcome, straight.steps), (miss(MissReason::Near, false), 0));
-    // A ray from the floor pixel below the middle towards a point 0.05 m beside the eye, which is nearer than the near plane.
+    // A ray from the floor pixel below the middle towards a point 0.05 m beside the eye, nearer than the near plane.
     let g = floor_and_wall(90, 90);
     let oracle = Oracle::new(&g);
     let from = oracle.rays.position(45, 80).expect("floor");
@@ -94,8 +94,8 @@ fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
     let between = row(&[4.0, SKY, SKY, 4.2, 3.0, 5.0, SKY, SKY, 3.99]);
     let trace = Oracle::new(&between).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [8, 0], .. }), "{trace:?}");
-    // With a neighbour at 3.9 m, the pole extends only to 3.912 m. The neighbour, whose own only neighbour is the pole, is 0.9
-    // + 0.0156 m thick.
+    // With a neighbour at 3.9 m, the pole extends only to 3.912 m. The neighbour, whose own only neighbour is the pole,
+    // is 0.9 + 0.0156 m thick.
     let thinner = row(&[4.0, SKY, SKY, SKY, 3.0, 3.9, SKY, SKY, SKY]);
     let trace = Oracle::new(&thinner).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [5, 0], .. }), "{trace:?}");
@@ -111,8 +111,8 @@ fn the_flag_says_whether_a_ray_ended_behind_something() {
 
 #[test]
 fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
-    // Column 1 is 3 m away and 1.012 m thick, because its only neighbour is at 4 m. A ray from column 0 that is 3.2 m away
-    // where it enters column 1, and 2.9 m away where it leaves it, crosses the front in that column.
+    // Column 1 is 3 m away and 1.012 m thick, because its only neighbour is at 4 m. A ray from column 0 that is 3.2 m
+    // away where it enters column 1, and 2.9 m away where it leaves it, crosses the front in that column.
     let g = row(&[4.0, 3.0, SKY, SKY]);
     let oracle = Oracle::new(&g);
     let depth = |z| f64::from(depth_of(z));
@@ -214,7 +214,7 @@ fn the_second_version_hits_only_from_in_front() {
             assert!(hits(first, 2) && hits(second, 2) == is_hit, "{before} {at_m} {first:?} {second:?}");
         }
     }
-    // On a slope of 0.5 m per pixel, T is the slope plus 0.4 % of the depth, and the side is joined to the previous pixel.
+    // On a slope of 0.5 m per pixel, T is the slope plus 0.4 % of the depth; the side is joined to the previous pixel.
     let [first, second] = level(&[SKY, 3.0, 2.5, 2.0, 1.5], 2.85);
     assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
     // A ray hits a front that it crosses, whatever it passed before.
@@ -224,8 +224,7 @@ fn the_second_version_hits_only_from_in_front() {
 
 #[test]
 fn the_second_version_leaves_the_surface_that_a_ray_begins_on() {
-    // All normals are (0, 0, −1). The ray sinks into the block beside the start and crosses the front of column
-    // 3.
+    // All normals are (0, 0, −1). The ray sinks into the block beside the start and crosses the front of column 3.
     let to = |direction| ends_of(&[2.0, 2.0, SKY, 2.025, 2.025], [2.0, 2.04], direction);
     let [first, second] = to(DVec3::new(0.9, 0.0, -0.1));
     assert!(hits(first, 1) && hits(second, 3), "{first:?} {second:?}");

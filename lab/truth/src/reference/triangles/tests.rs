@@ -51,7 +51,7 @@ fn check(name: &str, triangles: &[Corners], rays: impl Iterator<Item = (Vec3, Ve
     let mut hits = 0;
     for (origin, direction) in rays {
         let origin = (origin.as_dvec3() - tree.origin).as_vec3();
-        let ray = TreeRay { origin, direction: direction.normalize_or(Vec3::X), own: NO_TRIANGLE };
+        let ray = TreeRay { origin, direction: direction.normalize_or(Vec3::X), own_triangle: NO_TRIANGLE };
         let (met, highest) = walk.traverse_tree(&ray);
         assert_eq!(met, walk.nearest_of_all(&ray), "{name}: {ray:?}");
         assert!(highest <= TREE_DEPTH as usize, "{name}: {highest} groups on the stack");
@@ -119,7 +119,7 @@ fn no_ray_makes_a_nan_or_runs_for_ever() {
     for i in 0..odd.len().pow(2) {
         let [a, b] = [odd[i % odd.len()], odd[i / odd.len()]];
         for (origin, direction) in [(Vec3::new(a, b, 0.0), Vec3::new(b, 1.0, a)), (Vec3::splat(a), Vec3::splat(b))] {
-            let (met, _) = walk.traverse_tree(&TreeRay { origin, direction, own: NO_TRIANGLE });
+            let (met, _) = walk.traverse_tree(&TreeRay { origin, direction, own_triangle: NO_TRIANGLE });
             assert!(!met.t.is_nan(), "{origin} {direction}: {met:?}");
         }
     }
@@ -160,7 +160,7 @@ fn the_walk_agrees_with_the_hierarchy_in_f64() {
         let (met, _) = walk.traverse_tree(&TreeRay {
             origin: (origin.as_dvec3() - tree.origin).as_vec3(),
             direction,
-            own: NO_TRIANGLE,
+            own_triangle: NO_TRIANGLE,
         });
         hits += usize::from(expected.is_some());
         match (expected, met.triangle()) {
@@ -202,7 +202,8 @@ fn what_moves_is_met_beside_what_stands() {
         for (origin, direction) in rays(Vec3::ZERO, 5.0, 3000) {
             let direction = direction.normalize();
             let ray = WorldRay { origin: origin.into(), direction: direction.into(), t_min: 0.0, t_max: f64::INFINITY };
-            let tree_ray = TreeRay { origin: (origin.as_dvec3() - tree.origin).as_vec3(), direction, own: NO_TRIANGLE };
+            let tree_ray =
+                TreeRay { origin: (origin.as_dvec3() - tree.origin).as_vec3(), direction, own_triangle: NO_TRIANGLE };
             let (met, highest) = walk.traverse_tree(&tree_ray);
             assert_eq!(met, walk.nearest_of_all(&tree_ray));
             assert!(highest <= TREE_DEPTH as usize);
@@ -216,8 +217,8 @@ fn what_moves_is_met_beside_what_stands() {
     }
 }
 
-/// Tests that rays from one of two planes a millimetre apart meet the other plane, and not their own, whatever the distance
-/// from the scene's middle.
+/// Tests that rays from one of two planes a millimetre apart meet the other plane, and not their own, whatever the
+/// distance from the scene's middle.
 #[test]
 fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
     for distance_m in [1.0, 100.0, 10_000.0_f32] {
@@ -237,9 +238,8 @@ fn planes_a_millimetre_apart_neither_leak_nor_meet_themselves() {
             for up in [1.0, -1.0] {
                 let direction =
                     Vec3::new(signed(i, 2), up * 0.2 + up * 0.8 * signed(i, 3).abs(), signed(i, 4)).normalize();
-                let own = u32::from(x > z);
-                for own in [own, NO_TRIANGLE] {
-                    let (met, _) = walk.traverse_tree(&TreeRay { origin: start.as_vec3(), direction, own });
+                for own_triangle in [u32::from(x > z), NO_TRIANGLE] {
+                    let (met, _) = walk.traverse_tree(&TreeRay { origin: start.as_vec3(), direction, own_triangle });
                     let expected = up > 0.0;
                     assert_eq!(
                         met.triangle().is_some_and(|t| t >= 2),

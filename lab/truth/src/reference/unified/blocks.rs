@@ -5,24 +5,24 @@ use glam::IVec2;
 use ssct_ground::math::constants;
 use ssct_scenes::GBufferData;
 
-/// Twin of `DepthBlock`: returns the block of the pixel `p`, from its reversed depth and those of its four neighbours;
+/// Twin of `DepthBlock`: returns the block of a pixel, from its reversed depth and those of its four neighbours;
 /// empty for sky. The block is as thick as the span of the surface in depth over the pixel, plus a small share of the
 /// view depth.
-pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
-    let depth_at = |p: IVec2| {
-        let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();
-        if inside { gbuffer.depth[gbuffer.index(p.x as u32, p.y as u32)] } else { 0.0 }
+pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, pixel: IVec2) -> Block {
+    let depth_at = |pixel: IVec2| {
+        let inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(parameters.size).all();
+        if inside { gbuffer.depth[gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { 0.0 }
     };
-    let depth = depth_at(p);
+    let depth = depth_at(pixel);
     if depth <= 0.0 {
         return Block::EMPTY;
     }
     // An orthographic depth is linear in metres, and shares of depth are then shares of the height of the view.
     let is_linear = parameters.kind.is_orthographic();
-    let thin = constants::THIN as f32 * if is_linear { parameters.reach * parameters.depth_offset } else { 1.0 };
+    let thin_limit = constants::THIN as f32 * if is_linear { parameters.reach * parameters.depth_offset } else { 1.0 };
     // How far the neighbour stands behind the pixel, as a share of its own view depth, or in depth if that is linear.
     let depth_behind = |dx, dy| {
-        let neighbour = depth_at(p + IVec2::new(dx, dy));
+        let neighbour = depth_at(pixel + IVec2::new(dx, dy));
         let reciprocal = if is_linear { 1.0 } else { 1.0 / (neighbour + parameters.depth_offset) };
         if neighbour > 0.0 { (depth - neighbour) * reciprocal } else { -NEVER }
     };
@@ -30,7 +30,7 @@ pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, p: IVe
     // and for a surface that stands far before both, since it is thinner than two pixels.
     let depth_span = |a: f32, b: f32| {
         let least = a.abs().min(b.abs());
-        if least < NEVER && a.min(b) <= thin { least } else { 0.0 }
+        if least < NEVER && a.min(b) <= thin_limit { least } else { 0.0 }
     };
     let spans =
         depth_span(depth_behind(-1, 0), depth_behind(1, 0)) + depth_span(depth_behind(0, -1), depth_behind(0, 1));

@@ -177,25 +177,25 @@ impl<'a> CaptureTraversal<'a> {
                 break;
             }
             let Some(capture) = self.nearest_seeing_capture(point, excluded) else { break };
-            let place = self.places[capture];
-            let (how, traced) = self.trace_capture(capture, point - place, ray.direction, &mut ray_end);
-            let there = traced + place;
+            let capture_place = self.places[capture];
+            let (how, traced) = self.trace_capture(capture, point - capture_place, ray.direction, &mut ray_end);
+            let end_point = traced + capture_place;
             match how {
                 FollowEnd::Sky => {
                     ray_end.kind = RayEndKind::Sky;
                     break;
                 }
                 FollowEnd::Hit => {
-                    (ray_end.kind, ray_end.place) = (RayEndKind::Capture(capture), there);
+                    (ray_end.kind, ray_end.place) = (RayEndKind::Capture(capture), end_point);
                     break;
                 }
                 FollowEnd::Lost | FollowEnd::On => {}
             }
             let has_moved =
-                dot(there - ray.start, ray.direction) > dot(point - ray.start, ray.direction) + LEAST_ADVANCE_M;
+                dot(end_point - ray.start, ray.direction) > dot(point - ray.start, ray.direction) + LEAST_ADVANCE_M;
             excluded = if has_moved { 1 << capture } else { excluded | 1 << capture };
             if has_moved {
-                point = there;
+                point = end_point;
             }
         }
         if ray_end.kind == RayEndKind::Sky {
@@ -212,27 +212,27 @@ impl<'a> CaptureTraversal<'a> {
     /// Twin of `NearestSeeingCapture`: returns the index of the nearest capture that sees a point, which is relative to
     /// the eye. Bit k of `excluded` leaves capture k out.
     fn nearest_seeing_capture(&self, point: Vec3, excluded: u32) -> Option<usize> {
-        let (mut nearest, mut least) = (None, NEVER);
+        let (mut nearest, mut least_squared) = (None, NEVER);
         for (capture, place) in self.places.iter().enumerate() {
-            let o = point - *place;
-            let squared = dot(o, o);
-            if excluded >> capture & 1 == 0 && squared < least && self.capture_sees(capture, o) {
-                (nearest, least) = (Some(capture), squared);
+            let from_capture = point - *place;
+            let squared = dot(from_capture, from_capture);
+            if excluded >> capture & 1 == 0 && squared < least_squared && self.capture_sees(capture, from_capture) {
+                (nearest, least_squared) = (Some(capture), squared);
             }
         }
         nearest
     }
 
-    /// Twin of `CaptureSees`: returns whether a capture sees the point `o`, which is relative to the capture's place.
+    /// Twin of `CaptureSees`: returns whether a capture sees a point, which is given relative to the capture's place.
     /// The point must lie beyond the near plane, and not behind the back of the block that the capture shows in its
     /// direction.
-    fn capture_sees(&self, capture: usize, o: Vec3) -> bool {
-        let face = cube_face(o);
+    fn capture_sees(&self, capture: usize, point: Vec3) -> bool {
+        let face = cube_face(point);
         let image = &self.faces[6 * capture + face];
-        let mut q = to_face(o, face);
-        q.z = q.z.max(1e-6);
-        let depth = self.face_depth(image, q.z);
-        let block = image.block(face_position(image, q).1);
+        let mut face_point = to_face(point, face);
+        face_point.z = face_point.z.max(1e-6);
+        let depth = self.face_depth(image, face_point.z);
+        let block = image.block(face_position(image, face_point).1);
         depth < 1.0 && (block.front < block.back || depth >= block.back)
     }
 
@@ -249,19 +249,19 @@ impl<'a> CaptureTraversal<'a> {
         image.parameters.view_ray(position) * z
     }
 
-    /// Twin of `TraceFace`: follows a ray over one face, from the point `q` along `direction`, both in the face's view
-    /// space. Returns how the ray ends, its last point, and the outward axis of the side by which it leaves. `before`
-    /// is the thickness of the block at the border of the face before, and becomes that of the block where the ray
-    /// leaves this face.
+    /// Twin of `TraceFace`: follows a ray over one face, from the point `begin` along `direction`, both in the face's
+    /// view space. Returns how the ray ends, its last point, and the outward axis of the side by which it leaves.
+    /// `border_thickness` is the thickness of the block at the border of the face before, and becomes that of the block
+    /// where the ray leaves this face.
     fn trace_face(
         &self,
         image: &Traversal,
-        [q, direction]: [Vec3; 2],
-        before: &mut f32,
+        [begin, direction]: [Vec3; 2],
+        border_thickness: &mut f32,
         ray_end: &mut CaptureRayEnd,
     ) -> (FollowEnd, Vec3, Vec3) {
-        let (start, pixel) = face_position(image, q);
-        let depth = self.face_depth(image, q.z);
+        let (start, pixel) = face_position(image, begin);
+        let depth = self.face_depth(image, begin.z);
         let side = image.parameters.size.x as f32;
         let ndc = Vec2::new(2.0, -2.0) * (start / side - 0.5);
         let change = direction.truncate() - ndc * direction.z;
@@ -269,7 +269,7 @@ impl<'a> CaptureTraversal<'a> {
         let change_z = -((depth + image.parameters.depth_offset) * direction.z);
         let ray = image.make_ray(start, pixel, depth, direction, change.extend(change_z));
         if depth.is_nan() || depth >= 1.0 {
-            return (FollowEnd::Lost, q, Vec3::ZERO);
+            return (FollowEnd::Lost, begin, Vec3::ZERO);
         }
         let ahead = ray.ahead();
         let level = constants::FACE_LEVEL.min(image.parameters.top_level);
@@ -277,31 +277,26 @@ impl<'a> CaptureTraversal<'a> {
         let mut passes = false;
         ray_end.faces += 1;
         let end = loop {
-            image.advance(
-                &ray,
-                ahead,
-                WalkMode::Followed { passes, border: image.parameters.size - 1 },
-                &mut walk,
-                |_| {},
-            );
+            let mode = WalkMode::Followed { passes, border: image.parameters.size - 1 };
+            image.advance(&ray, ahead, mode, &mut walk, |_| {});
             if walk.level >= 0 {
                 break None;
             }
             // The ray is behind the front of a block. If it runs away from the surface and is still inside the block,
             // it leaves this surface and passes. It meets any other surface from in front or from behind.
             let block = image.block(walk.pixel);
-            let along = dot(direction, image.normal(walk.pixel));
+            let along_normal = dot(direction, image.normal(walk.pixel));
             let in_front = walk.entry_depth >= block.front;
-            passes = along > 0.0 && walk.entry_depth >= block.back;
+            passes = along_normal > 0.0 && walk.entry_depth >= block.back;
             if !passes {
-                let is_behind = match (along > 0.0, in_front) {
+                let is_lost = match (along_normal > 0.0, in_front) {
                     (true, _) => true,
                     (false, true) => false,
                     _ if walk.entry > 0.0 => image.is_behind(&ray, walk.entry_depth, walk.pixel, block, ahead),
-                    _ => walk.entry_depth < block.back - *before,
+                    _ => walk.entry_depth < block.back - *border_thickness,
                 };
-                let s = if is_behind { walk.entry } else { front_crossing(&ray, &walk, ahead, block.front) };
-                let how = if is_behind { FollowEnd::Lost } else { FollowEnd::Hit };
+                let s = if is_lost { walk.entry } else { front_crossing(&ray, &walk, ahead, block.front) };
+                let how = if is_lost { FollowEnd::Lost } else { FollowEnd::Hit };
                 break Some((how, self.face_point(image, &ray, s), Vec3::ZERO));
             }
             walk.level = 0;
@@ -310,47 +305,47 @@ impl<'a> CaptureTraversal<'a> {
         ray_end.is_exhausted |= walk.level >= 0 && walk.entry < ray.end;
         // A ray that met nothing ends at a side of the face, at the far plane or at the near plane.
         end.unwrap_or_else(|| {
-            let far = ray.ahead() * image.parameters.size;
-            let sides = (far.as_vec2() - ray.start) * ray.inverse;
-            let by_side = ray.end == sides.x.min(sides.y);
+            let far_corner = ray.ahead() * image.parameters.size;
+            let sides = (far_corner.as_vec2() - ray.start) * ray.inverse;
+            let leaves_by_side = ray.end == sides.x.min(sides.y);
             let at_side = (ray.start + ray.end * ray.rate.truncate()).as_ivec2();
             let block = image.block(at_side.clamp(IVec2::ZERO, image.parameters.size - 1));
-            *before = (block.front - block.back).max(0.0);
-            let how = match by_side {
+            *border_thickness = (block.front - block.back).max(0.0);
+            let how = match leaves_by_side {
                 true => FollowEnd::On,
                 false if ray.rate.z < 0.0 => FollowEnd::Sky,
                 false => FollowEnd::Lost,
             };
             // Image y runs down, and view-space y up.
-            let side = if sides.x <= sides.y {
+            let exit_side = if sides.x <= sides.y {
                 Vec3::X * if ray.inverse.x > 0.0 { 1.0 } else { -1.0 }
             } else {
                 Vec3::Y * if ray.inverse.y > 0.0 { -1.0 } else { 1.0 }
             };
-            (how, self.face_point(image, &ray, ray.end), side)
+            (how, self.face_point(image, &ray, ray.end), exit_side)
         })
     }
 
-    /// Twin of `TraceCapture`: follows a ray through a capture, from face to face, from the point `o`. Returns how the
-    /// ray ends, and its last point. Both points are relative to the capture's place, in world axes, in metres.
+    /// Twin of `TraceCapture`: follows a ray through a capture, from face to face, from the point `begin`. Returns how
+    /// the ray ends, and its last point. Both points are relative to the capture's place, in world axes, in metres.
     fn trace_capture(
         &self,
         capture: usize,
-        o: Vec3,
+        begin: Vec3,
         direction: Vec3,
         ray_end: &mut CaptureRayEnd,
     ) -> (FollowEnd, Vec3) {
-        let (mut face, mut place, mut before) = (cube_face(o), o, 0.0);
+        let (mut face, mut place, mut border_thickness) = (cube_face(begin), begin, 0.0);
         // A line crosses each of the six planes between faces at most once, so that it visits at most seven faces.
         for _ in 0..7 {
             let image = &self.faces[6 * capture + face];
             let from = [place, direction].map(|v| to_face(v, face));
-            let (how, end, side) = self.trace_face(image, from, &mut before, ray_end);
+            let (how, end, exit_side) = self.trace_face(image, from, &mut border_thickness, ray_end);
             place = from_face(end, face);
             if how != FollowEnd::On {
                 return (how, place);
             }
-            face = cube_face(from_face(side, face));
+            face = cube_face(from_face(exit_side, face));
         }
         (FollowEnd::Lost, place)
     }
@@ -407,12 +402,11 @@ fn cube_face(v: Vec3) -> usize {
     }
 }
 
-/// Twin of `FacePosition`: returns the continuous pixel coordinates and the pixel of a point `q` in a face's view
-/// space.
-fn face_position(image: &Traversal, q: Vec3) -> (Vec2, IVec2) {
+/// Twin of `FacePosition`: returns the continuous pixel coordinates and the pixel of a point in a face's view space.
+fn face_position(image: &Traversal, face_point: Vec3) -> (Vec2, IVec2) {
     let size = image.parameters.size;
     let side = size.x as f32;
-    let ndc = q.truncate() / q.z;
+    let ndc = face_point.truncate() / face_point.z;
     let position = ((ndc * Vec2::new(0.5, -0.5) + 0.5) * side).max(Vec2::ZERO).min(Vec2::splat(side));
     (position, position.as_ivec2().min(size - 1))
 }

@@ -31,10 +31,10 @@ struct RaySum {
 impl RaySum {
     /// Twin of `AddRay`: adds a ray with a weight. The weight of a miss counts, but its colour does not.
     fn add_ray(&mut self, weight: f32, is_hit: bool, color: Vec4) {
-        let hits = if is_hit { weight } else { 0.0 };
+        let hit_weight = if is_hit { weight } else { 0.0 };
         self.weight += weight;
-        self.color += hits * color;
-        self.hits += hits;
+        self.color += hit_weight * color;
+        self.hits += hit_weight;
     }
 
     /// Twin of `ReflectionFromSum`: returns the mean colour, with the mean fade of the hits in the fourth component. A
@@ -100,8 +100,8 @@ impl CellSum {
     /// a weight. Weights and fades stay as they are.
     fn with_closest(self, weight: f32) -> RaySum {
         let Self { rays, closest, .. } = self;
-        let both = rays.color.truncate().extend(rays.weight) + weight * closest;
-        let color = both.truncate() * (rays.weight / both.w.max(1e-30));
+        let weighted = rays.color.truncate().extend(rays.weight) + weight * closest;
+        let color = weighted.truncate() * (rays.weight / weighted.w.max(1e-30));
         RaySum { color: color.extend(rays.color.w), ..rays }
     }
 }
@@ -118,18 +118,18 @@ impl GatherPoint {
         }
         // The key of a hit is a place, and that of a miss a direction.
         let key = ray.key.truncate();
-        let to = if density > 0.0 { key - self.point } else { key };
-        let log_cos = log_cos(1.0 - to.dot(self.lobe.mirror) * inverse_sqrt(to.dot(to)));
+        let to_end = if density > 0.0 { key - self.point } else { key };
+        let log_cos = log_cos(1.0 - to_end.dot(self.lobe.mirror) * inverse_sqrt(to_end.dot(to_end)));
         let exponent = density.abs() - self.peak - LOG2_E * (self.lobe.power - 1.0) * log_cos;
         let weight = 2.0 / (1.0 + exponent.exp2());
-        let is_hit = density > 0.0 && to.dot(self.lobe.normal) > 0.0;
+        let is_hit = density > 0.0 && to_end.dot(self.lobe.normal) > 0.0;
         let (weight, color) = (weight.max(LEAST_WEIGHT), ray.color.max(Vec4::ZERO));
         sum.rays.add_ray(weight, is_hit, color);
         if closeness > 0.0 {
             let seen = if is_hit { weight } else { 0.0 } * color.truncate();
             sum.closest += closeness * seen.extend(weight);
             if density > 0.0 {
-                sum.nearest = sum.nearest.min(if ended_near { 0.0 } else { to.dot(to) });
+                sum.nearest = sum.nearest.min(if ended_near { 0.0 } else { to_end.dot(to_end) });
             }
         }
     }
@@ -150,8 +150,8 @@ impl Gloss<'_> {
         // The other pixels of the block of 2 × 2: the one beside the pixel along x, and the one along y.
         let (x, y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
         let [out, out_x, out_y] = [pixel, x, y].map(direction_out_of_block);
-        let own = load_pixel_ray(pixel);
-        if own.key.w == 0.0 {
+        let own_ray = load_pixel_ray(pixel);
+        if own_ray.key.w == 0.0 {
             return None;
         }
         let ray_from_neighbour_x =
@@ -159,11 +159,11 @@ impl Gloss<'_> {
         let beside = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(out.x, 0));
         let under = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(0, out.y));
         let mut sum = RaySum::default();
-        sum.add_ray(1.0, own.key.w > 0.0, own.color);
+        sum.add_ray(1.0, own_ray.key.w > 0.0, own_ray.color);
         // Three rays of the block, two from beside the block, two from above or below it, and one from its corner.
         for ray in [
             ray_from_neighbour_x(pixel),
-            ray_from_neighbour(own, load_pixel_ray(y)),
+            ray_from_neighbour(own_ray, load_pixel_ray(y)),
             ray_from_neighbour(ray_from_neighbour_x(pixel), ray_from_neighbour_x(y)),
             beside(pixel, out),
             ray_from_neighbour(beside(pixel, out), beside(y, out_y)),
@@ -173,10 +173,10 @@ impl Gloss<'_> {
         ] {
             // The key's w is the root of α + 1, so that the product is a power between those of both lobes. The weight
             // is the root of the overlap of the lobes.
-            let power = (own.key.w * ray.key.w).abs();
-            let chord = (own.key - ray.key).truncate();
-            let same = (-0.125 * LOG2_E * power * chord.dot(chord)).exp2();
-            let weight = if ray.key.w != 0.0 { same.max(LEAST_WEIGHT) } else { 0.0 };
+            let power = (own_ray.key.w * ray.key.w).abs();
+            let chord = (own_ray.key - ray.key).truncate();
+            let root_overlap = (-0.125 * LOG2_E * power * chord.dot(chord)).exp2();
+            let weight = if ray.key.w != 0.0 { root_overlap.max(LEAST_WEIGHT) } else { 0.0 };
             sum.add_ray(weight, ray.key.w > 0.0, ray.color.max(Vec4::ZERO));
         }
         let reflection = sum.reflection(self.is_over);
@@ -210,9 +210,9 @@ impl Gloss<'_> {
         // The closest cells count more where their rays hit something near, and for smaller roughness.
         let pixel_width = 2.0 * p.pixel_to_view.y * if p.kind.is_orthographic() { 1.0 } else { point.z };
         let pixels = sum.nearest.sqrt() / pixel_width;
-        let near = ((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT)).clamp(0.0, 1.0);
+        let nearness = ((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT)).clamp(0.0, 1.0);
         let narrow = 1.0 - self.roughness(pixel);
-        let rays = sum.with_closest(CONTACT_WEIGHT * narrow * narrow * near);
+        let rays = sum.with_closest(CONTACT_WEIGHT * narrow * narrow * nearness);
         let z = if p.kind.is_orthographic() { 1.0 } else { point.z.min(super::GREATEST) };
         ResolvedCell { reflection: rays.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }

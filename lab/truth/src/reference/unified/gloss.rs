@@ -89,8 +89,8 @@ impl<'a> Gloss<'a> {
             return self.wide.at_clamped(cell.x as u32, cell.y as u32);
         }
         // A cell beyond the image, which has no place in `wide`.
-        let turned = cell_pixel(cell) & 1;
-        let mut pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ turned)).min(size - 1));
+        let first_bits = cell_pixel(cell) & 1;
+        let mut pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ first_bits)).min(size - 1));
         pixels.find(|p| self.is_wide(*p))
     }
 

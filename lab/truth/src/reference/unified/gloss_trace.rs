@@ -51,8 +51,9 @@ impl Gloss<'_> {
             return None;
         }
         // The nine rays of the pattern are dealt out to squares of 3 × 3 pixels.
-        let u = lattice_point(pixel, 3, 2, Vec2::splat(0.5));
-        Some(self.aim(pixel, normal, Vec2::new(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, |_| 1.0))
+        let point = lattice_point(pixel, 3, 2, Vec2::splat(0.5));
+        let pattern_point = Vec2::new(point.x * NARROW_PART, point.y);
+        Some(self.aim(pixel, normal, pattern_point, NARROW_FOOTPRINTS, |_| 1.0))
     }
 
     /// Returns the ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe. The more the
@@ -69,11 +70,11 @@ impl Gloss<'_> {
         let turn_y = unit(IVec2::new(cell.x, even.y + 1)) - unit(IVec2::new(cell.x, even.y));
         // The 25 rays of the pattern are dealt out to squares of 5 × 5 cells. Equal points in adjacent squares have
         // different parities, and so different places in their stratum.
-        let odd = cell & 1;
-        let stratum = IVec2::new(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x).as_vec2();
-        let u = lattice_point(cell, 5, 7, 0.125 + 0.25 * stratum);
+        let parity = cell & 1;
+        let stratum = IVec2::new(2 * parity.x + parity.y, 2 * (parity.x ^ parity.y) + parity.x).as_vec2();
+        let pattern_point = lattice_point(cell, 5, 7, 0.125 + 0.25 * stratum);
         let common = |power| 0.5 * (lobe_overlap(turn_x, power) + lobe_overlap(turn_y, power));
-        Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
+        Some(self.aim(pixel, self.normal(pixel), pattern_point, WIDE_FOOTPRINTS, common))
     }
 
     /// Twin of the first half of `TraceLobeSample`: returns the ray for the pattern point `u` (0…1) in a pixel's lobe.
@@ -111,8 +112,8 @@ impl Gloss<'_> {
 
     /// Traces the ray of a narrow lobe, and returns the result that neighbouring pixels gather, before it is packed.
     pub fn trace_narrow_pixel(&self, aim: &AimedRay) -> NeighbourRay {
-        let (root, lobe_sample) = (aim.lobe.power.sqrt(), self.trace_glossy_ray(aim));
-        let key = aim.lobe.mirror.extend(if lobe_sample.is_some() { root } else { -root });
+        let (power_root, lobe_sample) = (aim.lobe.power.sqrt(), self.trace_glossy_ray(aim));
+        let key = aim.lobe.mirror.extend(if lobe_sample.is_some() { power_root } else { -power_root });
         NeighbourRay { key, color: lobe_sample.map_or(Vec4::ZERO, |(_, color)| color) }
     }
 
@@ -126,13 +127,13 @@ impl Gloss<'_> {
         if hit.code != HitCode::Surface {
             return NeighbourRay { key: (aim.point + FAR_SKY * aim.direction).extend(aim.density), color };
         }
-        let there = self.traversal.parameters.view_point(hit.position, hit.depth);
-        let away = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
-        let is_near = away.x.max(away.y) < NEAR_HIT;
-        let place = if is_near { aim.point + FAR_AWAY * (there - aim.point) } else { there };
+        let end_point = self.traversal.parameters.view_point(hit.position, hit.depth);
+        let offset = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
+        let is_near = offset.x.max(offset.y) < NEAR_HIT;
+        let place = if is_near { aim.point + FAR_AWAY * (end_point - aim.point) } else { end_point };
         let touches = is_near && !self.traversal.shows_reflector([aim.point, aim.lobe.normal], hit.pixel);
-        let marked = aim.density + if touches { NEAR_MARK } else { 0.0 };
-        NeighbourRay { key: place.extend(marked), color }
+        let marked_density = aim.density + if touches { NEAR_MARK } else { 0.0 };
+        NeighbourRay { key: place.extend(marked_density), color }
     }
 }
 

@@ -54,12 +54,12 @@ pub(super) fn lobe_overlap(chord: Vec3, power: f32) -> f32 {
 }
 
 /// Twin of `LatticePoint`: returns the point (0…1 in x and y) that a pixel or cell has in the pattern of side × side
-/// points. The pattern is the rank-1 lattice with generator (1, g), and `place` is the point's place (0…1) in its
-/// stratum.
-pub(super) fn lattice_point(pixel: IVec2, side: i32, g: i32, place: Vec2) -> Vec2 {
-    let n = side * side;
-    let i = (pixel.x + side * pixel.y) % n;
-    (IVec2::new(i, (i * g) % n).as_vec2() + place) / n as f32
+/// points. The pattern is the rank-1 lattice with the generator (1, `generator`), and `place` is the point's place
+/// (0…1) in its stratum.
+pub(super) fn lattice_point(pixel: IVec2, side: i32, generator: i32, place: Vec2) -> Vec2 {
+    let count = side * side;
+    let index = (pixel.x + side * pixel.y) % count;
+    (IVec2::new(index, (index * generator) % count).as_vec2() + place) / count as f32
 }
 
 /// Twin of `Lobe`: the lobe of a pixel in view space.
@@ -118,27 +118,31 @@ impl Parameters {
         if self.kind.is_orthographic() { Vec3::Z } else { point }
     }
 
-    /// Twin of `NdcChange`: returns the change of ndc along a view-space vector, from a point that is seen at `ndc`.
+    /// Twin of `NdcChange`: returns the change of ndc along a view-space vector, from a point that is seen at `ndc`. In
+    /// a perspective, this change and that of [`Self::depth_change`] are multiplied by the point's z, which keeps their
+    /// ratio.
     pub(super) fn ndc_change(&self, ndc: Vec2, along: Vec3) -> Vec2 {
         let parallel = self.view_to_clip * along.truncate();
         if self.kind.is_orthographic() { parallel } else { parallel - ndc * along.z }
     }
 
-    /// Twin of `DepthChange`: returns the change of reversed depth with a change `z` of view-space z, at the given
-    /// depth.
+    /// Twin of `DepthChange`: returns the change of reversed depth along a view-space vector with the component `z`,
+    /// from a point of the given depth. In a perspective, it is multiplied by the point's z, as in
+    /// [`Self::ndc_change`].
     pub(super) fn depth_change(&self, depth: f32, z: f32) -> f32 {
         let slope = if self.kind.is_orthographic() { self.depth_offset } else { depth + self.depth_offset };
         -(slope * z)
     }
 
     /// Twin of `FootprintLevel`: returns the level of the colour chain whose texels are as wide as the footprint of a
-    /// ray from `point` to `there`. `density` is the ray's [`log_density`], and `share` the share of the lobe that it
+    /// ray from `point` to `end`. `density` is the ray's [`log_density`], and `share` the share of the lobe that it
     /// stands for.
-    pub(super) fn footprint_level(&self, point: Vec3, there: Vec3, density: f32, share: f32) -> f32 {
-        let away = there - point;
-        let z = if self.kind.is_orthographic() { 1.0 } else { there.z };
-        let pixel = z * self.pixel_to_view.y;
-        let texels = (2.0 * share * away.dot(away) / (pixel * pixel)).log2();
-        (0.5 * (texels - (density - LOG_DENSITY_BIAS))).max(0.0)
+    pub(super) fn footprint_level(&self, point: Vec3, end: Vec3, density: f32, share: f32) -> f32 {
+        let to_end = end - point;
+        let z = if self.kind.is_orthographic() { 1.0 } else { end.z };
+        let half_pixel = z * self.pixel_to_view.y;
+        // The logarithm to base 2 of (radius of the footprint / half a pixel)², times the density.
+        let log_ratio = (2.0 * share * to_end.dot(to_end) / (half_pixel * half_pixel)).log2();
+        (0.5 * (log_ratio - (density - LOG_DENSITY_BIAS))).max(0.0)
     }
 }

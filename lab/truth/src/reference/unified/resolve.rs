@@ -1,4 +1,4 @@
-//! The reflection of each pixel with a wide lobe, interpolated between the surrounding cells: twin of the pass "resolve/wide".
+//! Reflections of pixels with wide lobes, interpolated between the surrounding cells: twin of the pass "resolve/wide".
 
 use super::Gloss;
 use super::gather::{ResolvedCell, direction_out_of_block};
@@ -28,28 +28,28 @@ impl Gloss<'_> {
         let p = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));
         let facing = normal.dot(p.view_ray(pixel.as_vec2() + 0.5)) / PLANE_TOLERANCE;
-        let turn = normal.truncate() * p.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
+        let facing_change = normal.truncate() * p.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
         let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
         for i in 0_i32..4 {
             let cell: IVec2 = (pixel >> 1) + direction_out_of_block(pixel) * IVec2::new(i & 1, i >> 1);
             let cell = cell.clamp(IVec2::ZERO, self.last_cell());
             let drawn = self.is_drawn(cell).then(|| cells.at_clamped(cell.x as u32, cell.y as u32));
             let ResolvedCell { mut reflection, surface } = drawn.unwrap_or_default();
-            let away = (cell_pixel(cell) - pixel).as_vec2();
-            let near = CELL_REACH - away.abs();
-            let off = match p.kind {
+            let offset = (cell_pixel(cell) - pixel).as_vec2();
+            let nearness = CELL_REACH - offset.abs();
+            let off_plane = match p.kind {
                 ProjectionKind::Perspective => {
-                    (facing + turn.dot(away)) * (surface.w * (depth + p.depth_offset)) - facing
+                    (facing + facing_change.dot(offset)) * (surface.w * (depth + p.depth_offset)) - facing
                 }
                 ProjectionKind::Orthographic => {
-                    let there = self.depth(cell_pixel(cell).min(p.size - 1));
-                    (turn.dot(away) + facing * (depth - there) / p.depth_offset) / p.reach
+                    let cell_depth = self.depth(cell_pixel(cell).min(p.size - 1));
+                    (facing_change.dot(offset) + facing * (depth - cell_depth) / p.depth_offset) / p.reach
                 }
             };
-            let same = lobe_overlap(normal - surface.truncate(), power);
-            let squared = off * off;
-            let alike = (same / (1.0 + squared * squared)).max(LEAST_WEIGHT);
-            let weight = if surface.w > 0.0 { near.x * near.y * alike } else { 0.0 };
+            let overlap = lobe_overlap(normal - surface.truncate(), power);
+            let squared_distance = off_plane * off_plane;
+            let alike = (overlap / (1.0 + squared_distance * squared_distance)).max(LEAST_WEIGHT);
+            let weight = if surface.w > 0.0 { nearness.x * nearness.y * alike } else { 0.0 };
             // If the reflection lies over another one, a cell's colour is weighted by its fade.
             if self.is_over {
                 reflection = (reflection.truncate() * reflection.w).extend(reflection.w);
@@ -57,7 +57,7 @@ impl Gloss<'_> {
             sum += weight * reflection;
             weights += weight;
         }
-        let colors = if self.is_over { sum.w } else { weights };
-        if colors > 0.0 { (sum.truncate() / colors).extend(sum.w / weights) } else { Vec4::ZERO }
+        let color_weight = if self.is_over { sum.w } else { weights };
+        if color_weight > 0.0 { (sum.truncate() / color_weight).extend(sum.w / weights) } else { Vec4::ZERO }
     }
 }

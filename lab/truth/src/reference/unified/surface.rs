@@ -31,12 +31,12 @@ impl Traversal<'_> {
     /// where a ray that hit nothing goes beyond the far plane, if the pixel there shows sky; `None` otherwise.
     pub(super) fn leaves_through_far_plane(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let size = self.parameters.size;
-        let position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());
-        let pixel = position.as_ivec2().min(size - 1);
-        let side = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0)) * size;
-        let sides = (side.as_vec2() - ray.start) * ray.inverse;
-        let is_far = ray.rate.z < 0.0 && ray.end < sides.x.min(sides.y);
-        let shows = !self.is_followed && hit.code == HitCode::Miss && is_far && self.block(pixel) == Block::EMPTY;
-        shows.then_some(Hit { pixel, position, ..*hit })
+        let exit_position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());
+        let pixel = exit_position.as_ivec2().min(size - 1);
+        let corner = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0)) * size;
+        let sides = (corner.as_vec2() - ray.start) * ray.inverse;
+        let leaves_far = ray.rate.z < 0.0 && ray.end < sides.x.min(sides.y);
+        let shows = !self.is_followed && hit.code == HitCode::Miss && leaves_far && self.block(pixel) == Block::EMPTY;
+        shows.then_some(Hit { pixel, position: exit_position, ..*hit })
     }
 }

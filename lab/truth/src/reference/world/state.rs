@@ -20,7 +20,7 @@ const SAMPLING: u32 = 1;
 const LAYOUT: u32 = 2;
 /// The layout of older files, which have one sum a pixel and do not record the number of the first sample.
 const LAYOUT_OF_ONE_SUM: u32 = 1;
-/// Bytes of the head: magic, layout, fingerprint, width, height, number of the first sample, number after the last sample.
+/// Bytes of the head: magic, layout, fingerprint, width, height, number of the first sample, number after the last.
 const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4 + 4;
 /// Bytes of a pixel in each part of the sums: six f64.
 const PIXEL_BYTES: usize = 48;
@@ -63,13 +63,12 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// Returns the number of samples that a pixel of this kind has taken, in a state whose number of samples is
-    /// `of_state`.
-    pub(crate) fn samples(self, of_state: u32) -> u32 {
+    /// Returns the number of samples that a pixel of this kind has taken, in a state with `state_samples` samples.
+    pub(crate) fn samples(self, state_samples: u32) -> u32 {
         match self {
             Self::None => 0,
-            Self::Single => of_state.min(1),
-            Self::Sampled { least } if of_state > 0 => of_state.max(least),
+            Self::Single => state_samples.min(1),
+            Self::Sampled { least } if state_samples > 0 => state_samples.max(least),
             Self::Sampled { .. } => 0,
         }
     }
@@ -168,7 +167,7 @@ impl WorldState {
 
 /// The content of a state's file, whichever reference it belongs to.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct KeptState {
+pub(crate) struct StoredState {
     pub(crate) fingerprint: Fingerprint,
     pub(crate) extent: [u32; 2],
     pub(crate) sums: PartialSums<Sums>,
@@ -181,14 +180,14 @@ pub(crate) fn write_state(
     extent: [u32; 2],
     sums: &PartialSums<Sums>,
 ) -> Result<()> {
-    let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * sums.kept().count() + CHECK_BYTES);
+    let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * sums.in_file_order().count() + CHECK_BYTES);
     bytes.extend(MAGIC);
     bytes.extend(LAYOUT.to_le_bytes());
     bytes.extend(fingerprint);
     for v in [extent[0], extent[1], sums.first(), sums.end()] {
         bytes.extend(v.to_le_bytes());
     }
-    for v in sums.kept().flat_map(|s| [s.color.to_array(), s.squares.to_array()]).flatten() {
+    for v in sums.in_file_order().flat_map(|s| [s.color.to_array(), s.squares.to_array()]).flatten() {
         bytes.extend(v.to_le_bytes());
     }
     let check = Sha256::digest(&bytes);
@@ -201,7 +200,7 @@ pub(crate) fn write_state(
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is not a state, is damaged or truncated,
 /// or was made by another version.
-pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
+pub(crate) fn read_state(path: &Path) -> Result<StoredState> {
     let unreadable = |e| Error::io("read", path, e);
     let file = PathInFolder::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
     let length = file.metadata().map_err(unreadable)?.len();
@@ -243,9 +242,9 @@ pub(crate) fn read_state(path: &Path) -> Result<KeptState> {
         Sums { color: DVec3::from_slice(&v[..3]), squares: DVec3::from_slice(&v[3..]) }
     });
     // The sums of an older file without samples are skipped.
-    let kept = if end > first { pixels * count } else { 0 };
-    let sums = PartialSums::from_kept(first, end, pixels, sums.take(kept)).ok_or_else(damaged)?;
-    Ok(KeptState { fingerprint: std::array::from_fn(|i| bytes[12 + i]), extent, sums })
+    let used = if end > first { pixels * count } else { 0 };
+    let sums = PartialSums::from_file_order(first, end, pixels, sums.take(used)).ok_or_else(damaged)?;
+    Ok(StoredState { fingerprint: std::array::from_fn(|i| bytes[12 + i]), extent, sums })
 }
 
 impl WorldReference<'_> {
@@ -255,13 +254,13 @@ impl WorldReference<'_> {
     /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if the file is not a state, is damaged or
     /// truncated, or was made from another scene, camera, size, seed or version.
     pub fn load(&self, path: &Path) -> Result<WorldState> {
-        let kept = read_state(path)?;
-        let state = self.start_at(kept.sums.first());
-        if kept.fingerprint != state.fingerprint || kept.extent != state.extent {
+        let stored = read_state(path)?;
+        let state = self.start_at(stored.sums.first());
+        if stored.fingerprint != state.fingerprint || stored.extent != state.extent {
             let message = "the state belongs to another scene, camera, size, seed or material";
             return Err(Error::malformed(path, None, message));
         }
-        Ok(WorldState { sums: kept.sums, ..state })
+        Ok(WorldState { sums: stored.sums, ..state })
     }
 
     /// Returns the state that a file has, if it belongs to this reference, and otherwise a state without samples. The

@@ -137,7 +137,8 @@ impl Parser<'_> {
         let text = self.text;
         let mut end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '.').unwrap_or(text.len());
         // The exponent of a number may have a sign.
-        let has_exponent = !text.starts_with("0x") && text[..end].ends_with(['e', 'E']);
+        let is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+        let has_exponent = !is_hexadecimal && text[..end].ends_with(['e', 'E']);
         if has_exponent && text[end..].starts_with(['+', '-']) {
             let rest = &text[end + 1..];
             end += 1 + rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
@@ -178,6 +179,7 @@ mod tests {
         check("-(1.5e-1 + .5) * 2.0", "float", &[-1.3]);
         check("1 - 2 - 3", "int", &[-4.0]);
         check("0x1F", "int", &[31.0]);
+        check("0X1E+3", "int", &[33.0]);
         check("7u", "uint", &[7.0]);
         check("true", "bool", &[1.0]);
         check("vec3(1, 2.0, 3)", "vec3", &[1.0, 2.0, 3.0]);

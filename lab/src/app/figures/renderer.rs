@@ -6,7 +6,7 @@ use crate::app::{reference, render, resolve};
 use crate::error::{Error, Result};
 use crate::report::figures;
 use crate::report::images::{Rgb, display};
-use crate::stage::{RenderedImage, Shot, Stage, image};
+use crate::stage::{Intermediates, RenderedImage, Shot, Stage, image};
 use clap::Parser;
 use ssct::gpu::Gpu;
 use ssct::methods::{self, METHODS, Wants};
@@ -53,7 +53,7 @@ fn words(arguments: &str) -> impl Iterator<Item = &str> {
 
 /// Returns the reason why this program cannot render with the given arguments, if it lacks an option, a method or a
 /// scene that they name.
-pub fn lack(arguments: &str) -> Option<String> {
+pub fn find_lack(arguments: &str) -> Option<String> {
     let options = match parse(arguments) {
         Ok(options) => options,
         Err(e) => return Some(e.to_string()),
@@ -86,24 +86,24 @@ impl<'a> FigureRenderer<'a> {
     }
 
     /// Renders the picture that `ssct render` would make with the given arguments.
-    pub fn picture(&mut self, arguments: &str) -> Result<Rgb> {
+    pub fn render_picture(&mut self, arguments: &str) -> Result<Rgb> {
         let options = parse(arguments)?;
         if render::method_name(&options) == "reference" {
             let scene = &self.load(&options)?.scene;
-            return Ok(display(&reference::sampled(&options, scene)?));
+            return Ok(display(&reference::sample_image(&options, scene)?));
         }
-        let (rendered, camera) = self.rendered(&options, options.figure.is_some())?;
+        let (rendered, camera) = self.render(&options, options.figure.is_some())?;
         Ok(match (options.figure, &rendered.intermediates) {
-            (Some(figure), Some(all)) => figures::draw(figure, all, &camera.lens)?,
+            (Some(figure), Some(images)) => figures::draw(figure, images, &camera.lens)?,
             _ if options.reflection_only => display(&rendered.reflection),
             _ => display(&rendered.composite),
         })
     }
 
-    /// Renders as `ssct render` would with the given arguments; returns the image with all intermediate images, and the
-    /// camera.
-    pub fn inside(&mut self, arguments: &str) -> Result<(RenderedImage, Camera)> {
-        self.rendered(&parse(arguments)?, true)
+    /// Renders as `ssct render` would with the given arguments; returns all intermediate images, and the camera.
+    pub fn render_intermediates(&mut self, arguments: &str) -> Result<(Intermediates, Camera)> {
+        let (rendered, camera) = self.render(&parse(arguments)?, true)?;
+        Ok((rendered.intermediates.unwrap_or_default(), camera))
     }
 
     /// Returns the scene that the options name, and loads it unless it was used last.
@@ -119,17 +119,18 @@ impl<'a> FigureRenderer<'a> {
         Ok(self.loaded.insert(loaded))
     }
 
-    /// Renders as the options say. Returns the image and its camera; if `inside` is true, with all intermediate images.
-    fn rendered(&mut self, options: &RenderOptions, inside: bool) -> Result<(RenderedImage, Camera)> {
+    /// Renders as the options say. Returns the image and its camera; if `keeps_intermediates` is true, with all intermediate
+    /// images.
+    fn render(&mut self, options: &RenderOptions, keeps_intermediates: bool) -> Result<(RenderedImage, Camera)> {
         let common = &options.common;
         let method = methods::find(render::method_name(options))?;
         let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
         let LoadedScene { scene, stage, .. } = self.load(options)?;
         let view = resolve::view(scene, &common.place, None)?;
         let setup = render::setup(options);
-        let wants = if inside { Wants::HITS } else { Wants::REFLECTION };
+        let wants = if keeps_intermediates { Wants::HITS } else { Wants::REFLECTION };
         let camera = view.camera(scene, options.size);
         let shot = Shot::new(stage, method, &setup, wants, camera, globals.materials(scene, &view))?;
-        Ok((image::render(stage, &shot, inside)?, camera))
+        Ok((image::render(stage, &shot, keeps_intermediates)?, camera))
     }
 }
