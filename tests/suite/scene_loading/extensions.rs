@@ -1,6 +1,6 @@
 //! Tests extensions of glTF that place geometry, hide it, or store it in another form.
 
-use super::gltf::{Square, close, error, scene, sentences, square};
+use super::gltf::{Square, close, error, picture, pictured, scene, sentences, square};
 use super::*;
 use glam::Quat;
 use serde_json::{Value, json};
@@ -120,4 +120,32 @@ fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
         let scene = scene(&square(json!({}), |d| d["extensionsUsed"] = json!([name])));
         assert_eq!(sentences(&scene), [warning]);
     }
+}
+
+/// A texture transform of any image turns counter-clockwise, scales and moves; maps with different ones get a warning.
+#[test]
+fn texture_transforms_turn_as_their_words_say() {
+    let turned = |transform: Value| {
+        let info = json!({"index": 0, "extensions": {"KHR_texture_transform": transform}});
+        let [base, specular] = [
+            json!({"pbrMetallicRoughness": {"baseColorTexture": info}}),
+            json!({"extensions": {"KHR_materials_specular": {"specularColorTexture": info}}}),
+        ]
+        .map(|material| {
+            let scene = scene(&pictured(material, &[picture(1, 1, |_, _| [9; 4])]));
+            scene.meshes[0].vertices.iter().find(|v| position(v) == Vec3::new(2.0, 1.0, 0.0)).unwrap().uv
+        });
+        assert_eq!(base, specular);
+        Vec2::from(base)
+    };
+    // The corner has (1, 0). Counter-clockwise, with v downwards, a quarter turn takes it to (0, −1).
+    let quarter = json!({"rotation": std::f32::consts::FRAC_PI_2});
+    assert!(turned(quarter).abs_diff_eq(Vec2::new(0.0, -1.0), 1e-6));
+    let all = json!({"rotation": std::f32::consts::FRAC_PI_2, "scale": [3, 1], "offset": [0.5, 0.25]});
+    assert!(turned(all).abs_diff_eq(Vec2::new(0.5, -2.75), 1e-6));
+    let other = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+        "normalTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}});
+    let scene = scene(&pictured(other, &[picture(1, 1, |_, _| [128, 128, 255, 255])]));
+    assert_eq!(sentences(&scene).len(), 1);
+    assert!(sentences(&scene)[0].contains("share one set of texture coordinates"));
 }

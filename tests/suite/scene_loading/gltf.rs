@@ -290,29 +290,6 @@ fn masks_cut_at_their_cutoff_and_sides_are_kept() {
     assert!(material(json!({})).single_sided);
 }
 
-/// A texture transform turns counter-clockwise, scales and moves; maps with different ones get a warning.
-#[test]
-fn texture_transforms_turn_as_their_words_say() {
-    let turned = |transform: Value| {
-        let info = json!({"index": 0, "extensions": {"KHR_texture_transform": transform}});
-        let document =
-            pictured(json!({"pbrMetallicRoughness": {"baseColorTexture": info}}), &[picture(1, 1, |_, _| [9; 4])]);
-        let scene = scene(&document);
-        let right = scene.meshes[0].vertices.iter().find(|v| position(v) == Vec3::new(2.0, 1.0, 0.0)).unwrap();
-        (Vec2::from(right.uv), scene.warnings.len())
-    };
-    // The corner has (1, 0). Counter-clockwise, with v downwards, a quarter turn takes it to (0, −1).
-    let quarter = json!({"rotation": std::f32::consts::FRAC_PI_2});
-    assert!(turned(quarter).0.abs_diff_eq(Vec2::new(0.0, -1.0), 1e-6));
-    let all = json!({"rotation": std::f32::consts::FRAC_PI_2, "scale": [3, 1], "offset": [0.5, 0.25]});
-    assert!(turned(all).0.abs_diff_eq(Vec2::new(0.5, -2.75), 1e-6));
-    let other = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
-        "normalTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}});
-    let scene = scene(&pictured(other, &[picture(1, 1, |_, _| [128, 128, 255, 255])]));
-    assert_eq!(sentences(&scene).len(), 1);
-    assert!(sentences(&scene)[0].contains("share one set of texture coordinates"));
-}
-
 /// Cameras become views, and the energies of all lights are scaled so that the brightest one, in lux, becomes 1.
 #[test]
 fn cameras_become_views_and_lights_share_one_exposure() {

@@ -15,7 +15,7 @@ use super::Notes;
 use super::data::{Data, ImageBytes};
 use super::document::remedy;
 use crate::material_terms::{self, F0, roughness_of_perceptual};
-use crate::metallic::{Factors, TexelInputs, grey, texels, white};
+use crate::metallic::{Factors, TexelInputs, bake_texels, grey, white};
 use crate::{Encoding, Material, Scene, Texture};
 use glam::{DVec4, Vec3};
 use gltf::material::AlphaMode;
@@ -73,18 +73,33 @@ impl<'a> TextureUse<'a> {
         Self::new(info.texture(), set, offset, rotation, scale)
     }
 
-    /// Reads how a material uses its normal map, whose extension the crate leaves as JSON.
+    /// Reads how a material uses its normal map.
     fn of_normals(normals: &gltf::material::NormalTexture<'a>) -> Self {
         let transform = normals.extension_value("KHR_texture_transform");
+        Self::with_transform(normals.texture(), normals.tex_coord(), transform)
+    }
+
+    /// Reads how a material uses the texture `key` of an extension that the crate `gltf` leaves as JSON. Returns `None`
+    /// if the extension names no such texture.
+    fn of_extension(data: &Data<'a>, extension: &Value, key: &str) -> Option<Self> {
+        let info = extension.get(key)?;
+        let texture = data.document.textures().nth(usize::try_from(info.get("index")?.as_u64()?).ok()?)?;
+        let set = info.get("texCoord").and_then(|set| u32::try_from(set.as_u64()?).ok());
+        let transform = info.get("extensions").and_then(|all| all.get("KHR_texture_transform"));
+        Some(Self::with_transform(texture, set.unwrap_or(0), transform))
+    }
+
+    /// Reads the transform that `KHR_texture_transform` gives as JSON, if it is there. Its set of coordinates, if it
+    /// names one, replaces `set`.
+    fn with_transform(texture: gltf::Texture<'a>, set: u32, transform: Option<&Value>) -> Self {
+        let member = |key: &str| transform.and_then(|members| members.get(key));
         let pair = |key: &str, default: f32| {
-            let number = |index: usize| transform.and_then(|members| members.get(key)?.get(index)?.as_f64());
+            let number = |index: usize| member(key).and_then(|pair| pair.get(index)?.as_f64());
             [0, 1].map(|index| number(index).map_or(default, |value| value as f32))
         };
-        let rotation =
-            transform.and_then(|members| members.get("rotation")?.as_f64()).map_or(0.0, |angle| angle as f32);
-        let set = transform.and_then(|members| u32::try_from(members.get("texCoord")?.as_u64()?).ok());
-        let set = set.unwrap_or(normals.tex_coord());
-        Self::new(normals.texture(), set, pair("offset", 0.0), rotation, pair("scale", 1.0))
+        let rotation = member("rotation").and_then(Value::as_f64).map_or(0.0, |angle| angle as f32);
+        let other_set = member("texCoord").and_then(|set| u32::try_from(set.as_u64()?).ok());
+        Self::new(texture, other_set.unwrap_or(set), pair("offset", 0.0), rotation, pair("scale", 1.0))
     }
 
     /// Describes the use of a texture with a set of texture coordinates and their transform; `rotation` is in radians.
@@ -110,21 +125,26 @@ impl<'a> TextureUse<'a> {
 }
 
 /// Returns the coordinates that all images of a material share: those of its first image in the order base colour,
-/// metallic-roughness, normals, emission. If other images have other coordinates, a note is added.
-pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
+/// metallic-roughness, normals, emission, specular strength, specular colour. If other images have other coordinates, a
+/// note is added.
+pub(super) fn shared_coordinates(data: &Data, material: &gltf::Material, notes: &mut Notes) -> Coordinates {
     let pbr = material.pbr_metallic_roughness();
     let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
     let [base, metallic, emissive] = images.map(|info| info.map(|info| TextureUse::of_info(&info).coordinates));
     let normals = material.normal_texture().map(|normals| TextureUse::of_normals(&normals).coordinates);
-    let mut all = [base, metallic, normals, emissive].into_iter().flatten();
-    let none = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
-    let Some(first) = all.next() else { return none };
+    let specular = specular_textures(data, material).map(|texture| texture.map(|texture| texture.coordinates));
+    let mut all = [base, metallic, normals, emissive].into_iter().chain(specular).flatten();
+    let without_images = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
+    let Some(first) = all.next() else { return without_images };
     let mut clamps = first.clamps;
     for other in all {
         clamps |= other.clamps;
         if (Coordinates { clamps: first.clamps, ..other }) != first {
             let what = "a material's images share one set of texture coordinates and one transform";
-            notes.add("coordinates", format!("{what}; where they differ, those of the base colour count"));
+            notes.add(
+                "coordinates",
+                format!("{what}; where they differ, those of the base colour count, or of the material's first image"),
+            );
         }
     }
     Coordinates { clamps, ..first }
@@ -135,27 +155,27 @@ pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coord
 #[derive(Debug, Clone, PartialEq)]
 enum Baked {
     /// The base colour, unchanged.
-    Plain { base: Image },
+    Plain { base: ImageId },
     /// Albedo, and in alpha the share of it that is emission.
-    Albedo { base: Option<Image>, metallic: Option<Image>, emission: Option<Image>, factors: Factors },
+    Albedo { base: Option<ImageId>, metallic: Option<ImageId>, emission: Option<ImageId>, factors: Factors },
     /// Reflectivity, in red.
     Reflectivity {
-        base: Option<Image>,
-        metallic: Option<Image>,
+        base: Option<ImageId>,
+        metallic: Option<ImageId>,
         /// The images of `KHR_materials_specular`: strength, in alpha, and colour.
-        specular: [Option<Image>; 2],
+        specular: [Option<ImageId>; 2],
         factors: Factors,
     },
     /// Roughness ϱ, from the green channel of the metallic-roughness image times a factor.
-    Roughness { metallic: Image, factor: f32 },
+    Roughness { metallic: ImageId, factor: f32 },
     /// An alpha mask, which is one half where alpha times the factor equals the cutoff.
-    Mask { base: Option<Image>, factor: f32, cutoff: f32 },
+    Mask { base: Option<ImageId>, factor: f32, cutoff: f32 },
     /// A normal map whose slopes are multiplied by `scale`.
-    Normals { normals: Image, scale: f32 },
+    Normals { normals: ImageId, scale: f32 },
 }
 
 /// The index of an image in the file.
-type Image = usize;
+type ImageId = usize;
 
 /// The images of the scene that materials need, each listed once.
 #[derive(Default)]
@@ -177,7 +197,7 @@ impl BakedImages {
 
 impl Baked {
     /// Returns the images of the file that this image is baked from.
-    fn images(&self) -> Vec<Image> {
+    fn images(&self) -> Vec<ImageId> {
         match self {
             Self::Plain { base } => vec![*base],
             Self::Albedo { base, metallic, emission, .. } => {
@@ -261,14 +281,10 @@ fn note_range(material: &gltf::Material, notes: &mut Notes) {
     }
 }
 
-/// Returns the images of `KHR_materials_specular`: strength and colour.
-fn specular_images(data: &Data, material: &gltf::Material) -> [Option<Image>; 2] {
+/// Returns the textures of `KHR_materials_specular`: strength and colour.
+fn specular_textures<'a>(data: &Data<'a>, material: &gltf::Material) -> [Option<TextureUse<'a>>; 2] {
     let specular = material.extension_value("KHR_materials_specular");
-    ["specularTexture", "specularColorTexture"].map(|key| {
-        let texture = specular?.get(key)?.get("index")?.as_u64()?;
-        let texture = data.document.textures().nth(usize::try_from(texture).ok()?)?;
-        Some(texture.source()?.index())
-    })
+    ["specularTexture", "specularColorTexture"].map(|key| TextureUse::of_extension(data, specular?, key))
 }
 
 /// Returns the material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
@@ -287,7 +303,7 @@ fn default_material() -> Material {
 fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
     let pbr = material.pbr_metallic_roughness();
     let factors = factors(material);
-    let specular = specular_images(data, material);
+    let specular = specular_textures(data, material).map(|texture| texture.and_then(|t| t.image(data, notes)));
     let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of_info(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let metallic_roughness = image(pbr.metallic_roughness_texture());
@@ -362,9 +378,9 @@ struct Baker<'a> {
     /// Greatest number of texels along a side.
     side: u32,
     /// Images of the file that would exceed the limit of a scene's texels.
-    too_much: HashSet<Image>,
+    beyond_limit: HashSet<ImageId>,
     /// One message for each image that cannot be used.
-    problems: Mutex<BTreeMap<Image, String>>,
+    problems: Mutex<BTreeMap<ImageId, String>>,
 }
 
 impl<'a> Baker<'a> {
@@ -372,7 +388,7 @@ impl<'a> Baker<'a> {
     /// before any of them is decoded.
     fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
         let mut texels = 0;
-        let mut too_much = HashSet::new();
+        let mut beyond_limit = HashSet::new();
         for image in baked.iter().flat_map(Baked::images) {
             // An image without bytes is reported when it is decoded.
             let Ok((_, source)) = data.image(image) else { continue };
@@ -383,18 +399,18 @@ impl<'a> Baker<'a> {
             let [width, height] = dimensions.map_or([1; 2], |(width, height)| [width, height]);
             texels += texture::texels_within(width, height, side);
             if texels > MAX_TEXELS {
-                too_much.insert(image);
+                beyond_limit.insert(image);
             }
         }
-        Self { data, side, too_much, problems: Mutex::default() }
+        Self { data, side, beyond_limit, problems: Mutex::default() }
     }
 
     /// Decodes an image of the file. If it cannot be used, a message is added, and the result is `None`.
-    fn image(&self, index: Image, encoding: Encoding) -> Option<Texture> {
+    fn decode(&self, index: ImageId, encoding: Encoding) -> Option<Texture> {
         let problem = match self.data.image(index) {
             Err(Error::Malformed { message, .. }) => message,
             Err(other) => other.to_string(),
-            Ok((name, _)) if self.too_much.contains(&index) => {
+            Ok((name, _)) if self.beyond_limit.contains(&index) => {
                 format!("image {name} would exceed the {MAX_TEXELS} texels of a scene")
             }
             Ok((name, ImageBytes::File(path))) if !path.is_file() => format!("image {name} is missing"),
@@ -417,13 +433,13 @@ impl<'a> Baker<'a> {
     /// Bakes an image of the scene. An image of the file that cannot be used counts as white, or as flat if it has
     /// normals.
     fn bake(&self, baked: &Baked) -> Texture {
-        let image = |index: &Option<Image>, encoding| index.and_then(|index| self.image(index, encoding));
+        let image = |index: &Option<ImageId>, encoding| index.and_then(|index| self.decode(index, encoding));
         match baked {
-            Baked::Plain { base } => self.image(*base, Encoding::Srgb).unwrap_or_else(white),
+            Baked::Plain { base } => self.decode(*base, Encoding::Srgb).unwrap_or_else(white),
             Baked::Albedo { base, metallic, emission, factors } => {
                 let inputs =
                     [image(base, Encoding::Srgb), image(metallic, Encoding::Linear), image(emission, Encoding::Srgb)];
-                texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
+                bake_texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
                     factors.albedo_texel(&TexelInputs::new(base, metallic.z, emission))
                 })
             }
@@ -434,20 +450,20 @@ impl<'a> Baker<'a> {
                     image(strength, Encoding::Linear),
                     image(tint, Encoding::Srgb),
                 ];
-                texels(&inputs, Encoding::Linear, |[base, metallic, strength, tint]| {
+                bake_texels(&inputs, Encoding::Linear, |[base, metallic, strength, tint]| {
                     let inputs = TexelInputs::new(base, metallic.z, DVec4::ONE).with_specular(strength.w, tint);
                     grey(factors.reflectivity(&inputs))
                 })
             }
             Baked::Roughness { metallic, factor } => {
-                let inputs = [self.image(*metallic, Encoding::Linear)];
-                texels(&inputs, Encoding::Linear, |[texel]| grey(roughness_of_perceptual(factor * texel.y as f32)))
+                let inputs = [self.decode(*metallic, Encoding::Linear)];
+                bake_texels(&inputs, Encoding::Linear, |[texel]| grey(roughness_of_perceptual(factor * texel.y as f32)))
             }
             Baked::Mask { base, factor, cutoff } => {
                 let inputs = [image(base, Encoding::Linear)];
-                texels(&inputs, Encoding::Linear, |[base]| grey(0.5 * factor * base.w as f32 / cutoff))
+                bake_texels(&inputs, Encoding::Linear, |[base]| grey(0.5 * factor * base.w as f32 / cutoff))
             }
-            Baked::Normals { normals, scale } => match self.image(*normals, Encoding::Linear) {
+            Baked::Normals { normals, scale } => match self.decode(*normals, Encoding::Linear) {
                 Some(texture) => texture::scale_normal_map(texture, *scale),
                 None => Texture { rgba: vec![128, 128, 255, 255], encoding: Encoding::Linear, ..white() },
             },

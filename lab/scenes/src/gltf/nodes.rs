@@ -26,31 +26,33 @@ use std::collections::HashMap;
 /// unit of length. Returns the materials in use, by their index in the file (`None` for the default material); the
 /// material of a mesh is an index into this list.
 ///
-/// `kept`, in metres, is subtracted from every position. With `None`, a scene so far from the origin that floats would
-/// lose its details is moved to its own centre, in 64 bits, before rounding; a note says by how much.
+/// `fixed_origin`, in metres, is subtracted from every position. With `None`, a scene so far from the origin that
+/// floats would lose its details is moved to its own centre, in 64 bits, before rounding; a note says by how much.
 pub(super) fn place(
-    (data, animations): (&Data, &Value),
-    (scale, kept): (f32, Option<DVec3>),
+    data: &Data,
+    animations: &Value,
+    scale: f32,
+    fixed_origin: Option<DVec3>,
     scene: &mut Scene,
     notes: &mut Notes,
 ) -> Result<Vec<Option<usize>>> {
     let nodes = Nodes::new(data, scale)?;
-    let mut origin = kept.unwrap_or(DVec3::ZERO);
+    let mut origin = fixed_origin.unwrap_or(DVec3::ZERO);
     let notes_before = notes.clone();
-    let names = names(&nodes, animations);
-    let (mut parts, used, bounds) = parts(data, (&nodes, &names), origin, notes)?;
-    if let Some(far) = far_origin(bounds).filter(|_| kept.is_none()) {
+    let names = mesh_names(&nodes, animations);
+    let (mut parts, used, bounds) = read_parts(data, &nodes, &names, origin, notes)?;
+    if let Some(far) = far_origin(bounds).filter(|_| fixed_origin.is_none()) {
         // Notes about details lost by rounding no longer hold after the move.
         *notes = notes_before;
         notes.add("far", far.sentence());
         origin = far.centre;
-        (parts, _, _) = self::parts(data, (&nodes, &names), origin, notes)?;
+        (parts, _, _) = read_parts(data, &nodes, &names, origin, notes)?;
     }
     if parts.is_empty() {
         return Err(data.error("has no triangle with an area in its scene"));
     }
     scene.meshes = assemble::meshes(parts, |part| part.material);
-    scene.motions = animations::motions((data, animations), (&nodes, origin), (&names, &scene.meshes), notes);
+    scene.motions = animations::motions(data, animations, &nodes, origin, &names, &scene.meshes, notes);
     place_views_and_lights(&nodes, origin, scene, notes);
     Ok(used)
 }
@@ -60,7 +62,7 @@ type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
 
 /// Returns the names of the nodes' meshes, by the nodes' indices. In a file with animations, each node gets a unique
 /// name.
-fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
+fn mesh_names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
     let is_animated = animations.as_array().is_some_and(|list| !list.is_empty());
     let mut unique = UniqueNames::default();
     let name = |(node, _): &(Node, DMat4)| {
@@ -73,9 +75,10 @@ fn names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
 
 /// Reads the parts of the meshes that the nodes place. `names` are the names of the nodes' meshes, and `origin` is
 /// subtracted from every position in the world, in metres.
-fn parts(
+fn read_parts(
     data: &Data,
-    (nodes, names): (&Nodes, &HashMap<usize, String>),
+    nodes: &Nodes,
+    names: &HashMap<usize, String>,
     origin: DVec3,
     notes: &mut Notes,
 ) -> Result<Parts> {
@@ -100,19 +103,13 @@ fn parts(
             let material = primitive.material();
             let index = *index_of.entry(material.index()).or_insert_with(|| {
                 used.push(material.index());
-                coordinates.push(materials::coordinates(&material, notes));
+                coordinates.push(materials::shared_coordinates(data, &material, notes));
                 used.len() - 1
             });
             for placement in &placements {
                 let placed = PlacedMesh { name, placement, weights, origin };
-                parts.extend(geometry::part(
-                    data,
-                    (&primitive, index),
-                    &placed,
-                    &coordinates[index],
-                    &mut tally,
-                    notes,
-                )?);
+                let coordinates = &coordinates[index];
+                parts.extend(geometry::mesh_part(data, &primitive, index, &placed, coordinates, &mut tally, notes)?);
             }
         }
     }
@@ -132,15 +129,15 @@ fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes
     for (node, to_world) in &nodes.shown {
         if let Some(camera) = node.camera() {
             let name = node.name().or(camera.name()).unwrap_or("camera");
-            if let Some(view) = view(&camera, name, &to_moved_world(to_world), &units, notes) {
+            if let Some(view) = view_of_camera(&camera, name, &to_moved_world(to_world), &units, notes) {
                 scene.views.push(View { name: names.unique(name), ..view });
             }
         }
         if let Some(light) = node.light() {
-            lamps.extend(lights::lamp(&light, &to_moved_world(to_world), &units, notes));
+            lamps.extend(lights::place_light(&light, &to_moved_world(to_world), &units, notes));
         }
     }
-    let (lights, exposure) = lights::exposed(lamps, notes);
+    let (lights, exposure) = lights::expose(lamps, notes);
     scene.lights = lights;
     scene.notes.extend(exposure.map(|sentence| notes.about(&sentence)));
 }
@@ -182,25 +179,25 @@ impl<'a> Nodes<'a> {
             Some(scene) => scene.nodes().collect(),
             None => all.iter().filter(|node| !is_child[node.index()]).cloned().collect(),
         };
-        let root = root(scale);
+        let root = file_to_world(scale);
         let mut nodes = Self { shown: Vec::new(), to_world: vec![root; all.len()], scale };
         let mut visited = vec![false; all.len()];
         nodes.shown = nodes
-            .walk((tops, root), &mut visited)
+            .walk(tops, root, &mut visited)
             .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
         // Joints need not be in the scene that is shown, so that the transforms of all other nodes are computed, too.
         // An error in a tree outside the scene is ignored, since the tree is not drawn.
         for other in all.iter().filter(|node| !is_child[node.index()]) {
             if !visited[other.index()] {
-                nodes.walk((vec![other.clone()], root), &mut visited).unwrap_or_default();
+                nodes.walk(vec![other.clone()], root, &mut visited).unwrap_or_default();
             }
         }
         Ok(nodes)
     }
 
     /// Returns the transform from the file's space to the world.
-    pub(super) fn root(&self) -> DMat4 {
-        root(self.scale)
+    pub(super) fn file_to_world(&self) -> DMat4 {
+        file_to_world(self.scale)
     }
 
     /// Returns the parent of each node of the file, by index; `None` for a node without a parent.
@@ -220,26 +217,27 @@ impl<'a> Nodes<'a> {
     /// The index of a node that was visited before.
     fn walk(
         &mut self,
-        (tops, root): (Vec<Node<'a>>, DMat4),
+        tops: Vec<Node<'a>>,
+        root: DMat4,
         visited: &mut [bool],
     ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
-        let mut walked = Vec::new();
+        let mut visible = Vec::new();
         // The last node on the stack is visited first.
         let mut stack: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
         while let Some((node, parent, is_hidden)) = stack.pop() {
             if std::mem::replace(&mut visited[node.index()], true) {
                 return Err(node.index());
             }
-            let to_world = parent * local(&node);
+            let to_world = parent * node_to_parent(&node);
             self.to_world[node.index()] = to_world;
             let is_hidden = is_hidden || instances::is_hidden(&node);
             let children: Vec<_> = node.children().collect();
             stack.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
             if !is_hidden {
-                walked.push((node, to_world));
+                visible.push((node, to_world));
             }
         }
-        Ok(walked)
+        Ok(visible)
     }
 
     /// Returns the placement of a mesh by the joints of a skin: for each joint its transform times its inverse bind
@@ -264,13 +262,13 @@ impl<'a> Nodes<'a> {
 
 /// Returns the transform from a file's space to the world. It scales to metres, and negates z, since glTF is
 /// right-handed and the world left-handed.
-fn root(scale: f32) -> DMat4 {
+fn file_to_world(scale: f32) -> DMat4 {
     let size = f64::from(scale);
     DMat4::from_scale(DVec3::new(size, size, -size))
 }
 
 /// Returns the transform from the space of a node to that of its parent. A rotation of length 0 counts as none.
-fn local(node: &Node) -> DMat4 {
+fn node_to_parent(node: &Node) -> DMat4 {
     match node.transform() {
         Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
         Transform::Decomposed { translation, rotation, scale } => {
@@ -307,7 +305,7 @@ impl UniqueNames {
 /// Makes the view of a camera; `None`, with a note, if the camera cannot be a view. The view looks at the point of its
 /// axis that is nearest to the scene's centre, if this is at least one unit of the file away, else at the point one
 /// unit away.
-fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
+fn view_of_camera(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
     let eye = to_world.w_axis.truncate();
     let forward = -to_world.z_axis.truncate().normalize_or_zero();
     let metres = |length: f32| length * units.scale;
@@ -322,8 +320,8 @@ fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes:
     };
     let distance = (units.centre.as_dvec3() - eye).dot(forward).max(f64::from(units.scale));
     let [eye, look_at] = [eye, eye + distance * forward].map(|point| point.as_vec3());
-    let near_enough = |point: Vec3| point.is_finite() && point.abs().max_element() <= MAX_COORDINATE_M;
-    let is_sound = near_enough(eye) && near_enough(look_at) && (look_at - eye).try_normalize().is_some();
+    let is_in_range = |point: Vec3| point.is_finite() && point.abs().max_element() <= MAX_COORDINATE_M;
+    let is_sound = is_in_range(eye) && is_in_range(look_at) && (look_at - eye).try_normalize().is_some();
     if !is_sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
         notes.add(
             "camera",
