@@ -84,7 +84,7 @@ const COUNTING: Edits = &[
 ];
 
 /// Returns the setup with a change: rays are traced in a pass of its own.
-fn with_split(setup: &Setup) -> Setup {
+fn with_tracing_pass(setup: &Setup) -> Setup {
     setup.with(|p: &mut ThesisDrawing| p.split = true)
 }
 
@@ -217,7 +217,7 @@ impl Place<'_> {
 /// Times the tracing pass on several G-buffers in turn. Returns for each turn the milliseconds on each G-buffer.
 fn time_turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
     let edits = if place.roughness == 0.0 { MIRRORS } else { ROUGH };
-    let setup = with_split(&Setup::new(SIZE));
+    let setup = with_tracing_pass(&Setup::new(SIZE));
     let images: Vec<_> =
         parts.iter().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload")).collect();
     bench.shaders.run_with(&bench.gpu, edits, || {
@@ -289,21 +289,22 @@ fn measure_orders(bench: &Bench, stage: &mut Stage, place: &Place) {
     }
 }
 
-/// Counts and times rays that are reflected at other normals.
+/// Compares rays that are reflected at three kinds of normals: their numbers of steps, and the times of tracing them.
 fn measure_normals(bench: &Bench, stage: &mut Stage, place: &Place) {
     let changes: [(&str, super::Change); 3] = [
         ("shading", SAME),
         ("geometric", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Geometric)),
         ("up", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Up)),
     ];
-    let bumpy = Globals { roughness: Some(place.roughness), ..Globals::default() };
-    let materials = bumpy.materials(place.scene, place.view);
+    // Materials keep their own normal deviations, so that the normals of shading have all bumps.
+    let with_all_bumps = Globals { roughness: Some(place.roughness), ..Globals::default() };
+    let materials = with_all_bumps.materials(place.scene, place.view);
     let steps = changes.map(|(_, change)| {
         let work = count_work(bench, stage, place, &change(&Setup::new(SIZE)), &materials);
         super::mean(work.into_iter().flatten().map(|(_, steps)| f64::from(steps)))
     });
     let shots = changes.map(|(_, change)| {
-        let (info, setup) = (method(place.method), change(&with_split(&Setup::new(SIZE))));
+        let (info, setup) = (method(place.method), change(&with_tracing_pass(&Setup::new(SIZE))));
         Shot::new(stage, info, &setup, Wants::IMAGE, place.camera(), materials.clone()).expect("a shot")
     });
     let mut turn = || shots.each_ref().map(|shot| traced_ms(&stage.run(shot, Mode::Timed).expect("a frame").0));

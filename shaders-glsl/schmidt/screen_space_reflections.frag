@@ -38,8 +38,8 @@ float linearizeDepth(float z) {
 // Whether SampleDepth read the second layer of depth last.
 bool behind = false;
 
-// Reads the linearised depth that stands at a place. With LAYERS, where the ray is deeper than the first layer is thick, it
-// is that of the second one. Departure: the G-buffer's depth is reversed; the listings read ".z" of a depth texture, which
+// Reads the linearised depth at a place. With LAYERS, a ray that is behind the first layer by more than `thickness` gets the
+// depth of the second layer. Departure: the G-buffer's depth is reversed; the listings read ".z" of a depth texture, which
 // is 0 in the OpenGL versions that the text names.
 float SampleDepth(vec2 samplingPosition, float currentDepth, float thickness) {
     float sampledDepth = linearizeDepth(1.0 - textureLod(DepthTex, samplingPosition, 0.0).r);

@@ -71,22 +71,25 @@ TriangleHit ClosestHit(TreeRay ray) {
 // them, so that few attributes are held at a time.
 vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
     bool is_hit = hit.id != NO_TRIANGLE;
-    uint id = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;
-    uvec4 first = Attribute(id, 0), second = Attribute(id, 1), third = Attribute(id, 2);
-    uvec4 colors = Material(first.w, 0), maps = Material(first.w, 1), details = Material(first.w, 2);
+    uint triangle = is_hit ? hit.id & ~ASKS_MATERIAL : 0u;
+    uvec4 normals = Attribute(triangle, 0), uvs = Attribute(triangle, 1), more_uvs = Attribute(triangle, 2);
+    uint material_word = normals.w;
+    uvec4 colors = Material(material_word, 0), maps = Material(material_word, 1), details = Material(material_word, 2);
     vec3 weights = BarycentricWeights(hit);
-    vec2 uv = InterpolateUv(weights, second, third);
-    float repeats = width * uintBitsToFloat(third.z) * inversesqrt(max(abs(hit.side), LEAST_FACING));
-    vec3 normal = normalize(InterpolateCorners(weights, UnpackUnitVector(first.x), UnpackUnitVector(first.y),
-                                               UnpackUnitVector(first.z)));
-    float deviation = uintBitsToFloat(details.y);
-    if (deviation > 0.0) {
-        uvec4 fourth = Attribute(id, 3);
-        vec3 tangent_direction = InterpolateCorners(weights, UnpackUnitVector(fourth.x), UnpackUnitVector(fourth.y),
-                                                    UnpackUnitVector(fourth.z));
-        vec4 tangent = vec4(tangent_direction, (first.w >> 31) != 0u ? -1.0 : 1.0);
+    vec2 uv = InterpolateUv(weights, uvs, more_uvs);
+    float repeats_per_m = uintBitsToFloat(more_uvs.z);
+    // A footprint is longer on a surface that the ray meets at a slant.
+    float repeats = width * repeats_per_m * inversesqrt(max(abs(hit.side), LEAST_FACING));
+    vec3 normal = normalize(InterpolateCorners(weights, UnpackUnitVector(normals.x), UnpackUnitVector(normals.y),
+                                               UnpackUnitVector(normals.z)));
+    float normal_deviation = uintBitsToFloat(details.y);
+    if (normal_deviation > 0.0) {
+        uvec4 tangents = Attribute(triangle, 3);
+        vec3 tangent_direction = InterpolateCorners(weights, UnpackUnitVector(tangents.x), UnpackUnitVector(tangents.y),
+                                                    UnpackUnitVector(tangents.z));
+        vec4 tangent = vec4(tangent_direction, (material_word >> 31) != 0u ? -1.0 : 1.0);
         vec3 mapped = SampleImage(maps.zw, details.x >> NORMAL_SHIFT, uv, repeats).xyz * 2.0 - 1.0;
-        normal = ShadingNormal(normal, tangent, mapped, deviation);
+        normal = ShadingNormal(normal, tangent, mapped, normal_deviation);
     }
     normal = hit.side >= 0.0 ? normal : -normal;
     vec4 albedo = vec4(uintBitsToFloat(colors.xyz), 1.0) * SampleImage(maps.xy, details.x >> ALBEDO_SHIFT, uv, repeats);
@@ -96,6 +99,7 @@ vec3 HitColor(TreeRay ray, TriangleHit hit, float width) {
     vec3 screen_lit;
     if (SCREEN_COLORS && is_surface && SampleScreenColor(ray, hit, width, screen_lit))
         lit = screen_lit;
+    // Sound makes a colour fit to be summed and stored: without NaN, infinity and negative values.
     return is_surface ? Sound(lit) : SampleSkyWorld(ray.direction);
 }
 

@@ -172,9 +172,9 @@ fn both_drivers_record_and_time_the_same_passes() {
     }
 }
 
-/// `ssct gpu-study` measures a device in seven parts and compares its images with those of the second driver. Resumed
-/// beside its own results, as if these were another machine's, the study measures nothing again and finds no
-/// difference.
+/// `ssct gpu-study` measures a device in seven parts and compares its images with those of the second driver. Then
+/// the study is resumed and compared with its own results, as if these were another machine's: it measures nothing
+/// again and finds no difference.
 #[test]
 #[ignore = "minutes, and needs the driver that make test-drivers fetches"]
 fn a_device_is_measured_and_held_against_its_own_images() {

@@ -354,18 +354,19 @@ const ROUNDING: f64 = 0.008;
 
 /// The point of the wall that a pixel shows (metres along the wall and up), how its ray ended, and the error of its
 /// colour.
-type Texel = (DVec2, PathCode, f64);
+type WallSample = (DVec2, PathCode, f64);
 
 /// Draws the ramp with one capture at a place, whose faces have `resolution` texels on each side. Returns the images,
-/// and for each pixel its texel, or none if the pixel does not show the wall well inside its edges.
-fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>) {
+/// and for each pixel a sample of the wall that it reflects. A pixel that reflects no wall, or a place near its edges,
+/// has no sample.
+fn draw_wall(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<WallSample>>) {
     let scene = with_captures(ramp(), &[place], resolution);
     let view = View { eye: Vec3::new(0.0, 1.6, 0.0), look_at: Vec3::new(0.0, 0.2, 4.0), ..View::default() };
     let extent = [160, 120];
     let drawn = draw(gpu, &scene, &view, extent);
     let rotation = drawn.data.camera.world_to_view.as_dmat4().inverse();
     let tan_half_fov = f64::from(drawn.data.camera.lens.fov_y_radians().unwrap() / 2.0).tan();
-    let wall_texels = (0..drawn.data.depth.len()).map(|i| {
+    let wall_samples = (0..drawn.data.depth.len()).map(|i| {
         let (x, y) = (i as u32 % extent[0], i as u32 / extent[0]);
         let pixel = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         let aspect = f64::from(extent[0]) / f64::from(extent[1]);
@@ -379,12 +380,13 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>)
         let is_inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
         let code = PathCode::from_channel(drawn.hits.texel(x, y)[3])?;
         let color_found = drawn.reflection.texel(x, y);
+        // The wall's red grows to the right and its green upwards, from 0 to 1.
         let truth = [(wall.x + 20.0) / WALL[0], wall.y / WALL[1]];
         let errors = [0, 1].map(|c| (f64::from(color_found[c]) - truth[c]).abs());
         (drawn.data.reflects(i) && is_inside).then_some((wall, code, errors[0].max(errors[1])))
     });
-    let wall_texels = wall_texels.collect();
-    (drawn, wall_texels)
+    let wall_samples = wall_samples.collect();
+    (drawn, wall_samples)
 }
 
 /// The reflected wall has the right colour everywhere, also at borders between screen and capture and between two
@@ -396,7 +398,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
     for (place, resolution) in
         [(Vec3::new(0.5, 2.0, 4.0), 128), (Vec3::new(-3.0, 1.0, 6.0), 256), (Vec3::new(0.0, 6.0, 2.0), 64)]
     {
-        let (drawn, wall_texels) = seams(&gpu, place, resolution);
+        let (drawn, wall_samples) = draw_wall(&gpu, place, resolution);
         let [mut seams, mut faces, mut cells] = [0; 3];
         let mut worst: [f64; 2] = [0.0; 2];
         let width = drawn.data.width as usize;
@@ -413,8 +415,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                 2
             }
         };
-        for (i, wall_texel) in wall_texels.iter().enumerate() {
-            let &Some((wall, code, error)) = wall_texel else { continue };
+        for (i, wall_sample) in wall_samples.iter().enumerate() {
+            let &Some((wall, code, error)) = wall_sample else { continue };
             assert!([PathCode::HiZ, PathCode::Capture].contains(&code), "{wall}: {code:?}");
             // A face sees the wall at an angle, which lengthens its texels on the wall. The footprint of a ray widens
             // with the distance from the eye.
@@ -439,7 +441,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
             }
             // The next pixels to the right and below.
             for next in [i + 1, i + width] {
-                let Some(&Some((other, other_code, other_error))) = wall_texels.get(next) else { continue };
+                let Some(&Some((other, other_code, other_error))) = wall_samples.get(next) else { continue };
                 if (other - wall).length() > 1.0 {
                     continue;
                 }

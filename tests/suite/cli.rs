@@ -6,7 +6,7 @@ use crate::common::folder::Folder;
 use crate::common::hang::wait_until;
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// An OBJ file with a floor and a wall.
 const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
@@ -190,6 +190,18 @@ fn time_reports_every_pass_of_every_method_and_size() {
 
     let text = folder.succeed(&room("time", &["--size", "17x9", "--samples", "1", "--method", "hzct"]));
     assert!(text.contains("hzct") && !text.contains("ssct"), "{text}");
+}
+
+/// A reader that closes standard output at once loses no file of a run, and the run is finished.
+#[test]
+fn a_closed_pipe_loses_no_file() {
+    let folder = folder();
+    let args = room("time", &["--size", "17x9", "--samples", "1", "--warmup", "0", "--method", "hzct", "-o", "out"]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
+    let mut child = command.args(args).current_dir(folder.root()).stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+    assert!(folder.text("out/journal.jsonl").contains("finished") && folder.path("out/index.html").is_file());
 }
 
 /// A small run of `path` over a path from a file gives records and frames for each method and size, writes its files,

@@ -235,6 +235,13 @@ fn what_does_not_belong_together_is_not_merged() {
     }
     let copy = folders.name("copy");
     run_successfully(&["merge", &a, &b, "-o", &copy]);
+    // A merge that cannot write one of its files is not finished.
+    let blocked = folders.name("blocked");
+    std::fs::create_dir_all(folders.path("blocked/error.csv")).unwrap();
+    let (status, printed, message) = run(&["merge", &a, &b, "-o", &blocked]);
+    assert!(status == Some(1) && message.contains("error.csv") && printed.is_empty(), "{printed}{message}");
+    let journal = std::fs::read_to_string(folders.path("blocked/journal.jsonl")).unwrap();
+    assert!(!journal.contains("finished"), "{journal}");
     let text = std::fs::read_to_string(folders.path("copy/journal.jsonl")).unwrap();
     let changed: Vec<String> = text.lines().map(|l| l.replacen("\"flip\":0.", "\"flip\":1.", 1)).collect();
     std::fs::write(folders.path("copy/journal.jsonl"), changed.join("\n") + "\n").unwrap();

@@ -49,7 +49,7 @@ pub struct AgeOptions {
     )]
     pub faces: Vec<u32>,
     /// Rays a pixel of the references
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
     pub rays: u32,
 }
 

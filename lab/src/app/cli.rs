@@ -3,6 +3,7 @@
 use super::parameters::{BesideGBufferOptions, MethodOptions, choice_parser};
 use crate::report::figures::Figure;
 use crate::study::shard::Shard;
+use clap::builder::TypedValueParser;
 use clap::{Args, Subcommand};
 use glam::Vec3;
 use ssct_geometry::texture::MAX_EXTENT;
@@ -338,7 +339,7 @@ pub struct StudyOptions {
     #[arg(long, value_name = "FOLDER", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Frames that are timed for each measurement
-    #[arg(long, value_name = "N", default_value_t = 3, conflicts_with = "quick")]
+    #[arg(long, value_name = "N", default_value_t = 3, conflicts_with = "quick", value_parser = count_parser(0))]
     pub samples: usize,
     /// Folder to write, with index.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
@@ -386,6 +387,17 @@ pub struct FiguresOptions {
     pub device: DeviceOptions,
 }
 
+/// The greatest number of frames or of samples that a command takes.
+const MAX_COUNT: i64 = 1_000_000;
+
+/// Returns a parser of numbers of frames or samples, from `least` on.
+pub fn count_parser(least: i64) -> impl TypedValueParser<Value = usize> {
+    clap::value_parser!(u32).range(least..=MAX_COUNT).map(|count| count as usize)
+}
+
+/// The greatest number of pixels of an image. Devices take less.
+const MAX_PIXELS: u64 = 1 << 30;
+
 /// Parses a size such as `960x540`.
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
@@ -393,6 +405,9 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let [width, height] = [w, h].map(|v| v.trim().parse::<u32>());
     match (width, height) {
         (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
+        (Ok(width), Ok(height)) if u64::from(width) * u64::from(height) > MAX_PIXELS => {
+            Err(format!("a size of {text} is too large: an image has at most {MAX_PIXELS} pixels"))
+        }
         (Ok(width), Ok(height)) => Ok([width, height]),
         _ => Err(wrong()),
     }

@@ -1,6 +1,6 @@
 //! `ssct error`: run time against error.
 
-use super::cli::{CommonOptions, DeviceOptions, parse_size};
+use super::cli::{CommonOptions, DeviceOptions, count_parser, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use super::variants::VariantOptions;
@@ -38,12 +38,12 @@ pub struct ErrorOptions {
     #[arg(long, conflicts_with_all = ["variant", "captures_sweep", "fallback_sweep", "bounces_sweep"])]
     pub no_sweep: bool,
     /// Frames that are timed for each variant
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = count_parser(0))]
     pub samples: usize,
     /// Rays a pixel of the references
     ///
     /// The screen reference and the world reference trace as many.
-    #[arg(long, value_name = "N", default_value_t = 64)]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=1_048_576))]
     pub rays: u32,
 }
 
@@ -60,7 +60,9 @@ impl StudyOptions for ErrorOptions {
         }
         let place = &self.common.place;
         let scenes = match (&place.scene[..], self.quick) {
-            ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
+            ([], false) => {
+                library::names().iter().map(|name| resolve::scene(place, name)).collect::<Result<Vec<_>>>()?
+            }
             _ => vec![resolve::scene(place, "rooms")?],
         };
         let roughness: &[f32] = if self.quick { &QUICK_ROUGHNESS } else { &sweep::ROUGHNESS };
@@ -72,7 +74,7 @@ impl StudyOptions for ErrorOptions {
                 return Ok(vec![resolve::view(scene, place, None)?]);
             }
             let count = if self.quick { QUICK_VIEWS } else { usize::MAX };
-            Ok(scene.views.iter().take(count).cloned().collect())
+            scene.views.iter().take(count).map(|view| resolve::with_lens(scene, view.clone(), place)).collect()
         };
         let with_views = |scene| views(&scene).map(|views| (scene, views));
         let scenes = scenes.into_iter().map(with_views).collect::<Result<Vec<_>>>()?;

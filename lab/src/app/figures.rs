@@ -63,23 +63,29 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let entries = wanted.iter().filter_map(|plate| run.journal.get::<Entry>(&key(plate))).collect::<Vec<_>>();
 
-    let mut out = printed::out();
-    for e in &entries {
-        match &e.file {
-            Ok(file) => writeln!(out, "{}: {}", one_line(file), one_line(&e.title))?,
-            Err(why) => writeln!(out, "{} left out: {}", one_line(&e.stem), one_line(why))?,
-        }
-    }
+    let line = |e: &Entry| match &e.file {
+        Ok(file) => format!("{}: {}\n", one_line(file), one_line(&e.title)),
+        Err(why) => format!("{} left out: {}\n", one_line(&e.stem), one_line(why)),
+    };
+    let mut text: String = entries.iter().map(line).collect();
     let written = write_page(&folder, &entries, gpu.info(), &command(options));
     let made = entries.iter().filter(|e| e.file.is_ok()).count();
-    run.outcome_with_journal(outcome)?;
+    let made_all = run.outcome_with_journal(outcome);
+    let finished = if made_all.is_ok() && written.is_ok() {
+        let index = options.output.join(INDEX);
+        text.push_str(&format!("{}: {made} figures, {} left out\n", index.display(), entries.len() - made));
+        run.finish()
+    } else {
+        Ok(())
+    };
+    // Printing comes last, so that a reader who closes the pipe early loses no file.
+    let printed = printed::out().write_all(text.as_bytes());
+    made_all?;
     written?;
-    let index = options.output.join(INDEX);
-    writeln!(out, "{}: {made} figures, {} left out", index.display(), entries.len() - made)?;
-    run.finish()?;
+    finished?;
     drop(renderer);
     gpu.check_validation()?;
-    Ok(())
+    Ok(printed?)
 }
 
 /// The name of the page's file.

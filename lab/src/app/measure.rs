@@ -93,23 +93,24 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     }
     // Measured rows are written even after an error; that error is reported before an error of writing.
     let rows = engine::rows::<<O::Study as Study>::Row>(&list, &run.journal);
-    let written =
-        write_and_print(to, &list, &run.journal, &rows).and_then(|()| Ok(options.write_more(&list, &run.journal)?));
-    run.outcome_with_journal(outcome)?;
+    let missing = engine::missing::<<O::Study as Study>::Row>(&list, &run.journal);
+    let results = Results { rows: &rows, list: &list, missing: &missing };
+    let written = write(to, &results).and_then(|()| options.write_more(&list, &run.journal));
+    let measured = run.outcome_with_journal(outcome);
+    let is_whole = measured.is_ok() && written.is_ok();
+    let finished = if is_whole { run.finish() } else { Ok(()) };
+    // Printing comes last, so that a reader who closes the pipe early loses no file.
+    let shown = if to.json { results.json() } else { results.text() };
+    let printed = printed::out().write_all(shown.as_bytes());
+    measured?;
     written?;
-    run.finish()?;
+    finished?;
     gpu.check_validation()?;
-    check_rows(&rows)
+    check_rows(&rows)?;
+    Ok(printed?)
 }
 
-/// Writes the results into the folder of the run, if the run has a folder, and prints them.
-fn write_and_print<R: Row>(to: &RunOptions, list: &CellList, journal: &Journal, rows: &[R]) -> anyhow::Result<()> {
-    let missing = engine::missing::<R>(list, journal);
-    let results = Results { rows, list, missing: &missing };
-    if let Some(folder) = &to.output {
-        results.write(&PathInFolder::folder(folder))?;
-    }
-    let shown = if to.json { results.json() } else { results.text() };
-    printed::out().write_all(shown.as_bytes())?;
-    Ok(())
+/// Writes the results into the folder of the run, if the run has a folder.
+fn write<R: Row>(to: &RunOptions, results: &Results<R>) -> Result<()> {
+    to.output.as_ref().map_or(Ok(()), |folder| Ok(results.write(&PathInFolder::folder(folder))?))
 }

@@ -60,14 +60,11 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     for line in &merged.lines {
         run.journal.add_line(line)?;
     }
-    // Failed cases of the stress study are reported last, once everything is written.
-    let written = (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &folder });
-    if written.as_ref().is_err_and(|e| e.is::<Error>()) {
-        return written;
-    }
+    (merger.write)(&Merging { inputs: &inputs, merged: &merged, folder: &folder })?;
     run.finish()?;
     print_summary(options, &merged)?;
-    written
+    // Failed cases of the stress study are reported last.
+    (merger.judge)(&merged)
 }
 
 /// Refuses merged cells that another version of the program measured, since the page names this program's version.
@@ -105,7 +102,7 @@ fn same_folder(a: &Path, b: &Path) -> bool {
 /// The merger of figures, which are no study.
 fn figures_merger() -> Merger {
     let results = ResultKind { read: |_, listed, journal| journal.value(&listed.key).cloned(), is_time: |_| false };
-    Merger { kind: "figures", results, check: check_figures, write: write_figures }
+    Merger { kind: "figures", results, check: check_figures, write: write_figures, judge: |_| Ok(()) }
 }
 
 /// Checks the entries of a run's figures and the files that they name: each must be a picture in the run's folder.

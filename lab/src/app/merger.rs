@@ -21,6 +21,8 @@ pub struct Merger {
     pub check: fn(&MergeInput) -> Result<()>,
     /// Writes the files of the merged run.
     pub write: fn(&Merging) -> anyhow::Result<()>,
+    /// Returns an error if the merged results show a failure, such as a failed case of the stress study.
+    pub judge: fn(&MergedRun) -> anyhow::Result<()>,
 }
 
 /// Runs, and the one run into which they are merged.
@@ -44,7 +46,13 @@ impl Merger {
             },
             is_time: |name| S::Row::columns().times.contains(name),
         };
-        Self { kind: S::Row::KIND, results, check: check_study::<S::Row>, write: write_study::<S::Row> }
+        Self {
+            kind: S::Row::KIND,
+            results,
+            check: check_study::<S::Row>,
+            write: write_study::<S::Row>,
+            judge: |merged| check_rows(&engine::rows::<S::Row>(&merged.cells, &merged.journal)),
+        }
     }
 }
 
@@ -62,7 +70,7 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
         }
     }
     Results { rows: &rows, list: &merged.cells, missing: &merged.missing }.write(folder)?;
-    check_rows(&rows)
+    Ok(())
 }
 
 /// Checks the journal of a run, and the files beside it that merging copies.

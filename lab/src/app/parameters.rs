@@ -66,6 +66,8 @@ impl MethodOptions {
 #[derive(Debug, Clone)]
 pub struct TypedVariant {
     method: String,
+    /// The preset, if the variant names one.
+    preset: Option<Preset>,
     values: Values,
 }
 
@@ -75,9 +77,7 @@ impl TypedVariant {
         let method = methods::find(&self.method)?;
         methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;
         let mut setup = base.clone();
-        if self.values.preset != Preset::default() {
-            setup.values.preset = self.values.preset;
-        }
+        setup.values.preset = self.preset.unwrap_or(base.values.preset);
         for name in self.values.given_names() {
             if let Some((row, _)) = methods::parameters().iter().find(|(p, _)| p.name == name) {
                 setup.values.set(row, self.values.value(row));
@@ -99,7 +99,8 @@ pub fn parse_variant(text: &str) -> Result<TypedVariant, String> {
     let matches = command.try_get_matches_from(text.split_whitespace()).map_err(first_line)?;
     let MethodOptions { values } = MethodOptions::from_arg_matches(&matches).map_err(first_line)?;
     let method = matches.get_one::<String>("METHOD").cloned().unwrap_or_default();
-    Ok(TypedVariant { method, values })
+    let names_preset = matches.value_source(PRESET) == Some(clap::parser::ValueSource::CommandLine);
+    Ok(TypedVariant { method, preset: names_preset.then_some(values.preset), values })
 }
 
 /// A parser of the names of choices.
@@ -326,6 +327,8 @@ mod tests {
         let variant = typed.with_base(&base).expect("a method");
         let effect = variant.setup.effect();
         assert_eq!((variant.method.name, variant.setup.values.preset), ("stochastic", Preset::Author));
+        let published = parse_variant("ssct --preset published").expect("a variant").with_base(&base).expect("a method");
+        assert_eq!(published.setup.values.preset, Preset::Published);
         assert_eq!((effect.fade, effect.history, effect.history_frames), (false, HistoryUse::Off, 4));
         for (wrong, says) in [("", "required"), ("ssct --fade maybe", "maybe"), ("ssct --no-such 1", "--no-such")] {
             let message = parse_variant(wrong).expect_err(wrong);

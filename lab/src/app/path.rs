@@ -1,6 +1,6 @@
 //! `ssct path`: frames per second while the camera moves.
 
-use super::cli::{CommonOptions, DeviceOptions, parse_size};
+use super::cli::{CommonOptions, DeviceOptions, count_parser, parse_size};
 use super::measure::StudyOptions;
 use super::resolve;
 use crate::error::{Error, Result};
@@ -29,7 +29,7 @@ pub struct PathOptions {
     #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
     /// Frames that are drawn before the first that is timed.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = count_parser(0))]
     pub warmup: usize,
 }
 

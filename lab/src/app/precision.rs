@@ -36,7 +36,7 @@ pub struct PrecisionOptions {
     #[arg(long)]
     pub quick: bool,
     /// Rays a pixel of the reference
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
     pub rays: u32,
 }
 
@@ -52,7 +52,9 @@ impl StudyOptions for PrecisionOptions {
         let scene = resolve::scene(place, "rooms")?;
         let views = match (&place.view, place.eye) {
             (None, None) => {
-                scene.views.iter().take(if self.quick { QUICK_VIEWS } else { usize::MAX }).cloned().collect()
+                let count = if self.quick { QUICK_VIEWS } else { usize::MAX };
+                let views = scene.views.iter().take(count);
+                views.map(|view| resolve::with_lens(&scene, view.clone(), place)).collect::<Result<Vec<_>>>()?
             }
             _ => vec![resolve::view(&scene, place, None)?],
         };

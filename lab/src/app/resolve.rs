@@ -236,7 +236,8 @@ pub fn distinct_values_or<T: PartialEq + Clone>(values: &[T], usual: T) -> Vec<T
     if values.is_empty() { vec![usual] } else { distinct_values(values) }
 }
 
-/// The variants that were typed, each once, over a base setup.
+/// The variants that were typed, each once, over a base setup. A parameter that the base gives and no variant reads is
+/// refused.
 pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Variant>> {
     let mut variants: Vec<Variant> = Vec::new();
     for variant in typed.iter().map(|typed| typed.with_base(base)) {
@@ -246,6 +247,7 @@ pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Varian
             variants.push(variant);
         }
     }
+    methods::check_read(&variants.iter().map(|variant| variant.method).collect::<Vec<_>>(), base)?;
     Ok(variants)
 }
 

@@ -49,7 +49,7 @@ impl StudyOptions for StressOptions {
             [] => METHODS.iter().collect(),
             names => distinct(names.iter()).into_iter().map(|n| methods::find(n)).collect::<ssct::Result<_>>()?,
         };
-        Ok(StressStudy::new(methods, self.quick, self.case.as_deref()))
+        StressStudy::new(methods, self.quick, self.case.as_deref())
     }
 
     fn run(&self, to: &RunOptions) -> anyhow::Result<()> {

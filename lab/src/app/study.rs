@@ -262,12 +262,12 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let written = study.write(&run.journal, &results);
     run.outcome_with_journal(outcome)?;
     let written = written?;
+    run.finish()?;
+    gpu.check_validation()?;
     let mut out = printed::out();
     writeln!(out, "Table 5.8 of the thesis (GeForce GTX 670) and here ({}):", gpu.info().name)?;
     write!(out, "{}", tables::aligned(&table::cells(&written.table)))?;
     writeln!(out, "{} ({:.1} MB)", study.index().display(), written.page_bytes as f64 / 1e6)?;
-    run.finish()?;
-    gpu.check_validation()?;
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! `ssct time`.
 
-use super::cli::{CommonOptions, DeviceOptions, parse_size};
+use super::cli::{CommonOptions, DeviceOptions, count_parser, parse_size};
 use super::measure::StudyOptions;
 use super::parameters::{TypedVariant, parse_variant};
 use super::resolve;
@@ -15,7 +15,7 @@ use crate::study::table as table_5_8;
 use crate::study::timing::{self, ThesisFigures, TimeJob, TimeSettings, TimeStudy};
 use clap::{Args, ValueEnum};
 use ssct::methods;
-use ssct_scenes::{Scene, library};
+use ssct_scenes::Scene;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -56,10 +56,10 @@ pub struct TimeOptions {
     /// Frames of a method that are timed
     ///
     /// They are as many for each method, size and roughness.
-    #[arg(long, value_name = "N", default_value_t = 10)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = count_parser(0))]
     pub samples: usize,
     /// Frames that are drawn before the first that is timed.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = count_parser(0))]
     pub warmup: usize,
     /// Time each method against itself, too: its noise floor
     ///
@@ -206,7 +206,7 @@ fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
         let mut names: Vec<&str> = CAPTIONS.iter().map(|c| c.scene).collect();
         names.sort_unstable();
         names.dedup();
-        return Ok(names.into_iter().filter_map(library::scene).map(Rc::new).collect());
+        return names.into_iter().map(|name| Ok(Rc::new(resolve::scene(place, name)?))).collect();
     }
     Ok(vec![Rc::new(resolve::scene(place, "")?)])
 }
@@ -214,6 +214,9 @@ fn caption_scenes(options: &TimeOptions) -> Result<Vec<Rc<Scene>>> {
 /// Returns the captions whose view the flags name, or all captions, each with the first scene that has its view.
 /// Captions whose view no scene has are left out.
 fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<Vec<(Caption, &'a Rc<Scene>)>> {
+    if options.common.place.eye.is_some() {
+        return Err(Error::usage("--eye: the captions of --table captions name their views".into()));
+    }
     let wanted_view = options.common.place.view.as_deref();
     let caption_and_scene = |c: &Caption| {
         let scene = scenes.iter().find(|s| s.views.iter().any(|v| v.name == c.view))?;

@@ -62,7 +62,7 @@ pub struct VideoOptions {
     #[arg(long)]
     pub jitter: bool,
     /// Rays a pixel of the world reference
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
     pub rays: u32,
 }
 

@@ -211,7 +211,7 @@ fn truth_json(input: &Export, materials: &[Material]) -> Value {
     })
 }
 
-/// The folder of the arrays.
+/// Writes arrays of numbers, each to a file of its own in this folder.
 struct Arrays<'a>(&'a PathInFolder);
 
 impl Arrays<'_> {

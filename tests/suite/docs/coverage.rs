@@ -236,6 +236,7 @@ fn a_figure_in_a_generated_scene_is_a_stand_in_and_names_the_scene() {
         );
     }
     let all = scenes.keys().filter(|name| !name.contains('-') || name.starts_with("poster"));
+    // The page names the poster's only figure by its document, "poster-2", and not "2".
     let missing: Vec<_> = all.filter(|name| !drawn.contains(*name) && *name != "2").collect();
     assert!(missing.is_empty(), "drawn, and in no row: {missing:?}");
 }

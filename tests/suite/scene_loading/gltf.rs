@@ -105,7 +105,7 @@ pub fn picture(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) -> 
     json!({"uri": format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes.into_inner()))})
 }
 
-/// Returns a document's square with a material that uses images 0, 1, … as textures of the same numbers.
+/// Returns the square's document with a material and with images. Texture n of the document shows image n.
 pub fn pictured(material: Value, images: &[Value]) -> Value {
     square(material, |document| {
         document["images"] = images.into();

@@ -79,21 +79,21 @@ pub(super) fn truth(
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
     let (mask, mirrors) = (data.reflecting(), are_mirrors(&data));
-    let screen_truth = |version| {
+    let mut screen_truth = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
         let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
         let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, bounces };
-        let image = ScreenReference::render(&data, &mask, sampling, &|| ());
-        ScreenTruth {
+        let image = ScreenReference::render_while(&data, &mask, sampling, go_on)?;
+        Ok(ScreenTruth {
             version,
             hits: (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect(),
             image: Reference::new(&image.color, image.overall_standard_error),
-        }
+        })
     };
     let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.effect().oracle).collect();
     versions.sort_by_key(|version| u32::from(*version));
     versions.dedup();
-    let screens = versions.into_iter().map(screen_truth).collect();
+    let screens = versions.into_iter().map(&mut screen_truth).collect::<Result<Vec<_>>>()?;
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::shown(&triangles, &data);

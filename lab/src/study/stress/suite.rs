@@ -8,7 +8,7 @@ use super::motion::{self, MOTIONS, MotionCell, MotionSpec};
 use super::row::StressRow;
 use super::trees::{self, TreeCase};
 use super::{Place, StressRecord, moved, places, run, run_place};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::study::engine::{Bench, LastMade, Planned, Study};
 use crate::study::journal::scene_digest;
 use serde_json::{Value, json};
@@ -65,7 +65,10 @@ pub enum StressCell {
 impl StressStudy {
     /// Makes the study of some methods. The images are small and of one scene if `is_quick`. If `words` are given, only
     /// cases whose name contains them are run, and no motions.
-    pub fn new(methods: Vec<&'static MethodInfo>, is_quick: bool, words: Option<&str>) -> Self {
+    ///
+    /// # Errors
+    /// [`Usage`](ssct::Error::Usage) if no case has `words` in its name.
+    pub fn new(methods: Vec<&'static MethodInfo>, is_quick: bool, words: Option<&str>) -> Result<Self> {
         let names = if is_quick { &library::names()[..1] } else { library::names() };
         let scenes: Vec<_> = names.iter().filter_map(|name| library::scene(name)).collect();
         let is_chosen = |name: &str| words.is_none_or(|words| name.contains(words));
@@ -82,7 +85,7 @@ impl StressStudy {
         let view_and_roughness = (0..views).flat_map(|view| MOTION_ROUGHNESS.map(|roughness| (view, roughness)));
         let motions = view_and_roughness
             .flat_map(|(view, roughness)| MOTIONS.map(|motion| MotionCell { view, roughness, motion }));
-        Self {
+        let study = Self {
             is_quick,
             methods,
             cases: cases(is_quick).into_iter().filter(|case| is_chosen(&case.name)).collect(),
@@ -93,6 +96,12 @@ impl StressStudy {
             screen_methods: LastMade::default(),
             scene_methods: LastMade::default(),
             scenes,
+        };
+        match words {
+            Some(words) if study.cells().is_empty() => {
+                Err(Error::usage(format!("no case has {words:?} in its name; the page of a whole run lists all names")))
+            }
+            _ => Ok(study),
         }
     }
 

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use ssct_ground::math::random::Stream;
 use ssct_ground::math::{OracleVersion, phong};
 use ssct_scenes::GBufferData;
+use std::convert::Infallible;
 
 /// Least number of rays for a pixel of a mirror.
 pub const MIRROR_SAMPLES_MIN: u32 = 16;
@@ -61,29 +62,63 @@ impl ScreenReference {
     /// # Panics
     /// If the mask differs in size from the G-buffer.
     pub fn render(gbuffer: &GBufferData, mask: &[bool], sampling: Sampling, progress: &(dyn Fn() + Sync)) -> Self {
+        let never_stops = &mut || Ok::<(), Infallible>(());
+        match Self::render_in_bands((gbuffer, mask), sampling, gbuffer.height.max(1), progress, never_stops) {
+            Ok(image) => image,
+            Err(impossible) => match impossible {},
+        }
+    }
+
+    /// Renders as [`Self::render`] does, and calls `go_on` before every 16 rows; its error ends the rendering.
+    ///
+    /// # Errors
+    /// The errors of `go_on`.
+    ///
+    /// # Panics
+    /// If the mask differs in size from the G-buffer.
+    pub fn render_while<E>(
+        gbuffer: &GBufferData,
+        mask: &[bool],
+        sampling: Sampling,
+        go_on: &mut dyn FnMut() -> Result<(), E>,
+    ) -> Result<Self, E> {
+        Self::render_in_bands((gbuffer, mask), sampling, 16, &|| (), go_on)
+    }
+
+    /// Renders bands of some rows, one after the other.
+    fn render_in_bands<E>(
+        (gbuffer, mask): (&GBufferData, &[bool]),
+        sampling: Sampling,
+        band_rows: u32,
+        progress: &(dyn Fn() + Sync),
+        go_on: &mut dyn FnMut() -> Result<(), E>,
+    ) -> Result<Self, E> {
         assert_eq!(mask.len(), gbuffer.depth.len(), "the mask must have the G-buffer's size");
         let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
         let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
         let pixels = Pixels { hierarchy: &hierarchy, colors: SurfaceColors::new(gbuffer), view_to_world, sampling };
-        let rows: Vec<Vec<Estimate>> = (0..gbuffer.height)
-            .into_par_iter()
-            .map(|y| {
-                let pixel = |x| mask[gbuffer.index(x, y)].then(|| pixels.estimate(x, y));
-                let row = (0..gbuffer.width).map(|x| pixel(x).unwrap_or_default()).collect();
-                progress();
-                row
-            })
-            .collect();
-        let estimates = rows.concat();
+        let row = |y| {
+            let pixel = |x| mask[gbuffer.index(x, y)].then(|| pixels.estimate(x, y));
+            let row: Vec<Estimate> = (0..gbuffer.width).map(|x| pixel(x).unwrap_or_default()).collect();
+            progress();
+            row
+        };
+        let mut estimates = Vec::with_capacity(mask.len());
+        for first in (0..gbuffer.height).step_by(band_rows as usize) {
+            go_on()?;
+            let band = first..gbuffer.height.min(first.saturating_add(band_rows));
+            let rows: Vec<Vec<Estimate>> = band.into_par_iter().map(row).collect();
+            estimates.extend(rows.into_iter().flatten());
+        }
         let squares: f64 = estimates.iter().map(|e| e.standard_error.length_squared()).sum();
         let values = 3 * mask.iter().filter(|m| **m).count();
-        Self {
+        Ok(Self {
             width: gbuffer.width,
             height: gbuffer.height,
             color: estimates.iter().map(|e| e.mean.as_vec3()).collect(),
             standard_error: estimates.iter().map(|e| e.standard_error.as_vec3()).collect(),
             overall_standard_error: (squares / values.max(1) as f64).sqrt(),
-        }
+        })
     }
 }
 
