@@ -327,7 +327,8 @@ mod tests {
         let variant = typed.with_base(&base).expect("a method");
         let effect = variant.setup.effect();
         assert_eq!((variant.method.name, variant.setup.values.preset), ("stochastic", Preset::Author));
-        let published = parse_variant("ssct --preset published").expect("a variant").with_base(&base).expect("a method");
+        let published =
+            parse_variant("ssct --preset published").expect("a variant").with_base(&base).expect("a method");
         assert_eq!(published.setup.values.preset, Preset::Published);
         assert_eq!((effect.fade, effect.history, effect.history_frames), (false, HistoryUse::Off, 4));
         for (wrong, says) in [("", "required"), ("ssct --fade maybe", "maybe"), ("ssct --no-such 1", "--no-such")] {

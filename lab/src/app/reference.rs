@@ -14,6 +14,7 @@ use ssct_scenes::{Camera, GBufferData, Material, Scene};
 use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::kept_samples::{short_name, whole_file};
 use ssct_truth::reference::paths::Paths;
+use ssct_truth::reference::screen::MIRROR_SAMPLES_MIN;
 use ssct_truth::reference::surface::World;
 use ssct_truth::reference::world::state::WorldState;
 use ssct_truth::reference::world::{SamplingTarget, WorldReference};
@@ -94,6 +95,13 @@ fn sample(
     };
     if let Some(why) = why_unusable {
         eprintln!("ssct: warning: {why}; sampling begins anew");
+    }
+    let kept_rays = state.sample_counts().max().unwrap_or(0);
+    let wanted_rays = target.samples_max.max(MIRROR_SAMPLES_MIN);
+    if kept_rays > wanted_rays {
+        eprintln!(
+            "ssct: an earlier run kept {kept_rays} rays a pixel, more than {wanted_rays}; the image shows all of them"
+        );
     }
     reference.run(&mut state, target, &mut |state| {
         progress(state)?;

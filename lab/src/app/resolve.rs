@@ -242,8 +242,9 @@ pub fn typed_variants(typed: &[TypedVariant], base: &Setup) -> Result<Vec<Varian
     let mut variants: Vec<Variant> = Vec::new();
     for variant in typed.iter().map(|typed| typed.with_base(base)) {
         let variant = variant?;
-        let is_same = |known: &Variant| known.method.name == variant.method.name && known.setup == variant.setup;
-        if !variants.iter().any(is_same) {
+        // A value that is given and equals the default one makes no other variant.
+        let values = |variant: &Variant| (variant.method.name, variant.setup.recorded(Some(variant.method)));
+        if !variants.iter().any(|known| values(known) == values(&variant)) {
             variants.push(variant);
         }
     }
