@@ -81,12 +81,14 @@ pub fn run() -> ExitCode {
 /// does. `command` makes the parser of the command line, with the help that the arguments ask for, and `run` does what
 /// the parsed arguments say.
 pub fn run_program<P: FromArgMatches>(
-    command: impl FnOnce(&[OsString]) -> clap::Command,
+    command: impl Fn(&[OsString]) -> clap::Command,
     run: impl FnOnce(&P) -> anyhow::Result<()>,
 ) -> ExitCode {
     warn_of_little_memory();
-    // Methods from folders add flags of their own, so the folders are read before the command line is parsed.
-    let arguments = match custom_methods::add_folders(std::env::args_os()) {
+    // Methods from folders add flags of their own, so the folders are read before the command line is parsed. A folder
+    // that another program takes should be one that `ssct` takes, so that the options of `ssct` count everywhere.
+    let commands = || vec![help::command(&[]), command(&[])];
+    let arguments = match custom_methods::add_folders(std::env::args_os(), commands) {
         Ok(arguments) => arguments,
         Err(error) => {
             eprintln!("ssct: {}", printable(&error.to_string()));

@@ -35,6 +35,7 @@ use ssct::gpu::Gpu;
 use ssct::methods::{self, Added, Method, MethodInfo, MethodRequest};
 use ssct_ground::parameter::{Choices, Parameter, Preset};
 use ssct_ground::{Error, Result};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -68,14 +69,15 @@ pub fn folder(name: &str) -> Option<PathBuf> {
     (is_path || is_folder()).then(|| path.to_path_buf())
 }
 
-/// Reads a folder's manifest, compiles its shaders, and adds the method to the known methods; returns its row.
+/// Reads a folder's manifest, compiles its shaders, and adds the method to the known methods; returns its row. No
+/// parameter of the method may have a name in `reserved`, since the name of a parameter becomes an option.
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io), and [`Malformed`](ssct_ground::Error::Malformed) with file and line for what is wrong in the
 /// manifest or in a shader, and if there is a method of its name.
-pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
+pub fn add(folder: &Path, reserved: &BTreeSet<String>) -> Result<&'static MethodInfo> {
     // Compiles once here, so that errors appear before a device is opened.
-    let (manifest, parameters) = read_checked(folder)?;
+    let (manifest, parameters) = read_checked(folder, reserved)?;
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
@@ -84,15 +86,15 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     methods::add(info).map_err(|e| Error::malformed(folder.join(MANIFEST), None, e.to_string()))
 }
 
-/// Reads and checks a folder as [`add`] does, but adds no method.
+/// Reads and checks a folder as [`add`] does, but adds no method and reserves no names.
 pub fn check(folder: &Path) -> Result<()> {
-    read_checked(folder).map(drop)
+    read_checked(folder, &BTreeSet::new()).map(drop)
 }
 
 /// Reads the manifest of a folder with its parameters, and checks that the folder's shaders fit the manifest.
-fn read_checked(folder: &Path) -> Result<(Manifest, Vec<Parameter>)> {
+fn read_checked(folder: &Path, reserved: &BTreeSet<String>) -> Result<(Manifest, Vec<Parameter>)> {
     let manifest = Manifest::read(folder)?;
-    let parameters = manifest.parameters()?;
+    let parameters = manifest.parameters(reserved)?;
     bindings::check(&manifest)?;
     Ok((manifest, parameters))
 }

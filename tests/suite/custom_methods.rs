@@ -187,6 +187,7 @@ fn mistakes_in_a_manifest_get_its_line() {
         ("view = \"right\"", "views = \"right\"", "m/method.toml:7: unknown field `views`"),
         ("default = 200", "default = 5000", "m/method.toml:11: parameter view-steps: 5000 is outside whole numbers"),
         ("range = [1, 4096]\n", "", "m/method.toml:11: parameter view-steps: a number needs a range"),
+        ("[output]", "[buffer.b]\nbytes = 9223372036854775807\n[output]", "buffer b: bytes must be at most"),
         ("rgba16f", "rgb9", "image result: no format \"rgb9\"; there is: r8, rg8"),
         ("depth:linear", "depth:deep", "\"depth:deep\" is no image that there is: lit-colour"),
         ("colour = \"lit-colour\"\n", "", "nothing feeds the image colour of march.frag"),
@@ -222,6 +223,20 @@ fn mistakes_in_a_manifest_get_its_line() {
         change(&folder, "m/method.toml", from, to);
         let message = sentence(&folder, &render);
         assert!(message.contains(expected), "{to:?}: {message}");
+    }
+}
+
+/// A parameter with the name of an option, of whatever command, is refused with the line of its section. Two options of
+/// one name would end the program without a sentence of its own.
+#[test]
+fn a_parameter_takes_no_name_of_an_option() {
+    let render = on_room("render", &["--method", "m", "-o", "x.png"]);
+    for name in ["scale", "texture-size", "method", "preset", "include", "json", "samples", "help", "version", "file"] {
+        let folder = with_example("march");
+        change(&folder, "m/method.toml", "view-steps", name);
+        let expected = format!("m/method.toml:11: parameter {name}: the option of this name belongs to the program");
+        let message = sentence(&folder, &render);
+        assert!(message.contains(&expected), "{message}");
     }
 }
 

@@ -2,8 +2,11 @@
 
 use crate::custom;
 use crate::error::Result;
-use std::collections::HashMap;
+use clap::Command;
+use std::cell::LazyCell;
+use std::collections::{BTreeSet, HashMap};
 use std::ffi::OsString;
+use std::ops::Deref;
 use std::path::PathBuf;
 
 /// A flag whose value names methods, several with commas between them.
@@ -15,6 +18,9 @@ const VARIANTS: [&str; 3] = ["--variant", "--a", "--b"];
 /// The flag whose value is a folder that shaders of methods may include from.
 const INCLUDE: &str = "--include";
 
+/// An option of every command that takes parameters of methods.
+const PRESET: &str = "preset";
+
 /// Prints a sentence and ends the program at once: while the device never finishes its work, nothing can be freed.
 fn give_up(sentence: &str) {
     eprintln!("ssct: {sentence}");
@@ -22,11 +28,18 @@ fn give_up(sentence: &str) {
 }
 
 /// Adds the methods of all folders that arguments name. Returns the arguments, in which the names of these methods
-/// stand in place of the folders.
-pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
+/// stand in place of the folders. `commands` makes command lines; no parameter of a folder may have the
+/// name of one of their options.
+pub fn add_folders(
+    arguments: impl Iterator<Item = OsString>,
+    commands: impl FnOnce() -> Vec<Command>,
+) -> Result<Vec<OsString>> {
     custom::give_up_by(give_up);
     let arguments: Vec<OsString> = arguments.collect();
     custom::allow_includes(include_folders(&arguments));
+    // Most command lines name no folder and need no reserved names. The names are those before any folder is added,
+    // since parameters of two folders may share an option.
+    let reserved = LazyCell::new(|| reserved_names(&commands()));
     let mut added = HashMap::new();
     let mut replaced = Vec::new();
     // The flag whose value the next argument is, if the last argument was such a flag.
@@ -38,12 +51,13 @@ pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsSt
             continue;
         };
         if let Some(option) = open_flag.take() {
-            replaced.push(replace_folders(option, text, &mut added)?.into());
+            replaced.push(replace_folders(option, text, &reserved, &mut added)?.into());
             continue;
         }
         match text.split_once('=') {
             Some((option, value)) if method_flags().any(|flag| flag == option) => {
-                replaced.push(format!("{option}={}", replace_folders(option, value, &mut added)?).into());
+                let value = replace_folders(option, value, &reserved, &mut added)?;
+                replaced.push(format!("{option}={value}").into());
             }
             _ => {
                 open_flag = method_flags().find(|flag| *flag == text);
@@ -52,6 +66,31 @@ pub fn add_folders(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsSt
         }
     }
     Ok(replaced)
+}
+
+/// Returns the names that parameters of folders cannot have: the names of all options of some commands, except the
+/// parameters of built-in methods, with which a parameter may share an option.
+fn reserved_names(commands: &[Command]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    commands.iter().for_each(|command| add_option_names(command, &mut names));
+    for (parameter, _) in ssct::methods::parameters() {
+        names.remove(&parameter.typed_name());
+    }
+    names
+}
+
+/// Adds the names of the options of a command and of its subcommands.
+fn add_option_names(command: &Command, names: &mut BTreeSet<String>) {
+    let takes_parameters = command.get_arguments().any(|a| a.get_id() == PRESET);
+    for argument in command.get_arguments() {
+        names.extend(argument.get_long().map(str::to_owned));
+        names.extend(argument.get_all_aliases().into_iter().flatten().map(str::to_owned));
+        // Beside parameters, an argument without an option, such as a file, must not have the id of a parameter either.
+        if takes_parameters {
+            names.insert(argument.get_id().to_string());
+        }
+    }
+    command.get_subcommands().for_each(|subcommand| add_option_names(subcommand, names));
 }
 
 /// Every flag whose value names methods.
@@ -69,8 +108,14 @@ fn include_folders(arguments: &[OsString]) -> Vec<PathBuf> {
 }
 
 /// Returns the value of a flag with the names of methods in place of their folders, whose methods are added. `added`
-/// has the folders that were added before, each with the name of its method.
-fn replace_folders(flag: &str, value: &str, added: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
+/// has the folders that were added before, each with the name of its method. `reserved` has the names that no
+/// parameter may have; they are made when they are first needed.
+fn replace_folders(
+    flag: &str,
+    value: &str,
+    reserved: &impl Deref<Target = BTreeSet<String>>,
+    added: &mut HashMap<PathBuf, &'static str>,
+) -> Result<String> {
     let mut name = |text: &str| -> Result<String> {
         let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };
         // A folder is added once, even if two arguments write its path differently.
@@ -78,7 +123,7 @@ fn replace_folders(flag: &str, value: &str, added: &mut HashMap<PathBuf, &'stati
         if let Some(name) = added.get(&place) {
             return Ok((*name).to_owned());
         }
-        let info = custom::add(&folder)?;
+        let info = custom::add(&folder, reserved)?;
         added.insert(place, info.name);
         Ok(info.name.to_owned())
     };

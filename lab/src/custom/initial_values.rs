@@ -1,32 +1,200 @@
 //! Evaluates the initial values of uniforms: expressions of numbers, in which the compiler has already replaced macros.
+//! Whole numbers stay whole and wrap at 32 bits, as in GLSL.
 
 /// Returns the numbers of an expression that initializes a uniform of the type `kind`: column by column for matrices,
-/// and element by element for arrays. `None` for an expression that has more than numbers, constructors and arithmetic.
+/// and element by element for arrays. `None` for an expression that has more than numbers, constructors and arithmetic,
+/// and for products of matrices and vectors.
 pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
-    let mut parser = Parser { text: expression.trim() };
-    let numbers = parser.sum()?;
+    let kind = Kind::of_name(kind)?;
+    let mut parser = Parser { text: expression.trim(), component: kind.component };
+    let term = parser.sum()?;
     if !parser.text.is_empty() {
         return None;
     }
-    Some(constructed(kind, numbers))
+    let numbers = term.implicitly(kind.component)?;
+    if term.is_array { Some(numbers) } else { kind.constructed(numbers) }
 }
 
-/// Returns the numbers that the constructor of a type makes of its arguments. One number alone fills a vector, or the
-/// diagonal of a matrix.
-fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
-    let digit = |index: usize| kind.chars().nth(index).and_then(|c| c.to_digit(10)).map(|d| d as usize);
-    let [number] = numbers[..] else { return numbers };
-    let vector = kind.strip_suffix(['2', '3', '4']).filter(|bare| bare.ends_with("vec"));
-    match (vector, kind.strip_prefix("mat")) {
-        (Some(bare), _) => vec![number; digit(bare.len()).unwrap_or(1)],
-        (None, Some(_)) => {
-            // The sizes in `mat3` and `mat2x3` stand behind `mat` and `x`.
-            let columns = digit(3).unwrap_or(1);
-            let rows = digit(5).unwrap_or(columns);
-            let entry = |n: usize| if n / rows == n % rows { number } else { 0.0 };
-            (0..columns * rows).map(entry).collect()
+/// What each number of a type is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Component {
+    Bool,
+    Int,
+    Uint,
+    Float,
+}
+
+impl Component {
+    /// The component of the result of arithmetic; `None` if there is no arithmetic of these two.
+    fn common(self, other: Self) -> Option<Self> {
+        match (self, other) {
+            (Self::Bool, _) | (_, Self::Bool) => None,
+            (Self::Float, _) | (_, Self::Float) => Some(Self::Float),
+            (Self::Uint, _) | (_, Self::Uint) => Some(Self::Uint),
+            (Self::Int, Self::Int) => Some(Self::Int),
         }
-        _ => numbers,
+    }
+
+    /// Converts a number of this component as a constructor does; `None` for a number without a value in `to`.
+    fn converted(self, number: f64, to: Self) -> Option<f64> {
+        let whole = number.trunc();
+        match (self, to) {
+            (_, Self::Float) => Some(number),
+            (_, Self::Bool) => Some(f64::from(u8::from(number != 0.0))),
+            (Self::Uint, Self::Int) => Some(f64::from(number as u32 as i32)),
+            (Self::Int, Self::Uint) => Some(f64::from(number as i32 as u32)),
+            (_, Self::Int) => (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&whole).then_some(whole),
+            (_, Self::Uint) => (0.0..=f64::from(u32::MAX)).contains(&whole).then_some(whole),
+        }
+    }
+}
+
+/// A type of GLSL. A vector has one column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Kind {
+    component: Component,
+    columns: usize,
+    rows: usize,
+}
+
+impl Kind {
+    /// A type of one number.
+    const fn scalar(component: Component) -> Self {
+        Self { component, columns: 1, rows: 1 }
+    }
+
+    /// The type that GLSL calls `name`; `None` for other types than numbers, vectors and matrices.
+    fn of_name(name: &str) -> Option<Self> {
+        use Component as C;
+        let size = |text: &str| text.parse::<usize>().ok().filter(|size| text.len() == 1 && (2..=4).contains(size));
+        if let Some(sizes) = name.strip_prefix("mat") {
+            // The sizes of `mat2x3` are its columns and its rows.
+            let (columns, rows) = sizes.split_once('x').unwrap_or((sizes, sizes));
+            return Some(Self { component: C::Float, columns: size(columns)?, rows: size(rows)? });
+        }
+        let vectors = [("vec", C::Float), ("ivec", C::Int), ("uvec", C::Uint), ("bvec", C::Bool)];
+        match name {
+            "float" => Some(Self::scalar(C::Float)),
+            "int" => Some(Self::scalar(C::Int)),
+            "uint" => Some(Self::scalar(C::Uint)),
+            "bool" => Some(Self::scalar(C::Bool)),
+            _ => vectors.into_iter().find_map(|(prefix, component)| {
+                Some(Self { component, columns: 1, rows: size(name.strip_prefix(prefix)?)? })
+            }),
+        }
+    }
+
+    /// The number of numbers.
+    fn count(self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// True for a type of one number.
+    fn is_scalar(self) -> bool {
+        self.count() == 1
+    }
+
+    /// True for a type of several columns.
+    fn is_matrix(self) -> bool {
+        self.columns > 1
+    }
+
+    /// Returns the numbers that a constructor makes of converted arguments. One number alone fills a vector, or the
+    /// diagonal of a matrix. `None` for any other number of numbers than the type has.
+    fn constructed(self, numbers: Vec<f64>) -> Option<Vec<f64>> {
+        let [number] = numbers[..] else { return (numbers.len() == self.count()).then_some(numbers) };
+        let is_filled = |n: usize| !self.is_matrix() || n / self.rows == n % self.rows;
+        Some((0..self.count()).map(|n| if is_filled(n) { number } else { 0.0 }).collect())
+    }
+}
+
+/// An operation between two terms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Operation {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+}
+
+impl Operation {
+    /// Returns the result for two numbers of one component; `None` if it has no value.
+    fn result(self, component: Component, a: f64, b: f64) -> Option<f64> {
+        match component {
+            Component::Bool => None,
+            Component::Int => {
+                let (a, b) = (a as i32, b as i32);
+                Some(f64::from(match self {
+                    Self::Add => a.wrapping_add(b),
+                    Self::Subtract => a.wrapping_sub(b),
+                    Self::Multiply => a.wrapping_mul(b),
+                    Self::Divide if b == 0 => return None,
+                    Self::Divide => a.wrapping_div(b),
+                }))
+            }
+            Component::Uint => {
+                let (a, b) = (a as u32, b as u32);
+                Some(f64::from(match self {
+                    Self::Add => a.wrapping_add(b),
+                    Self::Subtract => a.wrapping_sub(b),
+                    Self::Multiply => a.wrapping_mul(b),
+                    Self::Divide => a.checked_div(b)?,
+                }))
+            }
+            Component::Float => {
+                let result = match self {
+                    Self::Add => a + b,
+                    Self::Subtract => a - b,
+                    Self::Multiply => a * b,
+                    Self::Divide => a / b,
+                };
+                result.is_finite().then_some(result)
+            }
+        }
+    }
+
+    /// Applies the operation number by number; a single number is combined with each number of the other side. `None`
+    /// for sides of different types, and for products of matrices and vectors, which are not made number by number.
+    fn apply(self, left: &Term, right: &Term) -> Option<Term> {
+        let component = left.kind.component.common(right.kind.component)?;
+        let sides = [left, right].map(|term| Kind { component, ..term.kind });
+        let shape = match sides {
+            _ if left.is_array || right.is_array => return None,
+            [shape, other] if other.is_scalar() => shape,
+            [other, shape] if other.is_scalar() => shape,
+            [shape, other] if shape == other && !(shape.is_matrix() && self == Self::Multiply) => shape,
+            _ => return None,
+        };
+        let (a, b) = (left.implicitly(component)?, right.implicitly(component)?);
+        let pairs = (0..shape.count()).map(|n| Some((*a.get(n % a.len())?, *b.get(n % b.len())?)));
+        let numbers = pairs.map(|pair| pair.and_then(|(a, b)| self.result(component, a, b))).collect::<Option<_>>()?;
+        Some(Term { kind: shape, is_array: false, numbers })
+    }
+}
+
+/// A part of an expression: its type and its numbers. An array has the type of its elements.
+#[derive(Debug, Clone)]
+struct Term {
+    kind: Kind,
+    is_array: bool,
+    numbers: Vec<f64>,
+}
+
+impl Term {
+    /// Makes a term of one number.
+    fn scalar(component: Component, number: f64) -> Self {
+        Self { kind: Kind::scalar(component), is_array: false, numbers: vec![number] }
+    }
+
+    /// Returns the numbers, converted as a constructor does.
+    fn explicitly(&self, to: Component) -> Option<Vec<f64>> {
+        self.numbers.iter().map(|number| self.kind.component.converted(*number, to)).collect()
+    }
+
+    /// Returns the numbers, converted as GLSL does unasked; `None` for a conversion that it does not make.
+    fn implicitly(&self, to: Component) -> Option<Vec<f64>> {
+        let from = self.kind.component;
+        if from == to || from.common(to) == Some(to) { self.explicitly(to) } else { None }
     }
 }
 
@@ -34,6 +202,8 @@ fn constructed(kind: &str, numbers: Vec<f64>) -> Vec<f64> {
 struct Parser<'a> {
     /// The part of the expression that is still to be read.
     text: &'a str,
+    /// The component of the uniform, which lists in braces have.
+    component: Component,
 }
 
 impl Parser<'_> {
@@ -45,38 +215,39 @@ impl Parser<'_> {
     }
 
     /// Reads products with plus or minus signs between them.
-    fn sum(&mut self) -> Option<Vec<f64>> {
+    fn sum(&mut self) -> Option<Term> {
         let mut left = self.product()?;
         loop {
-            let sign = if self.take("+") {
-                1.0
+            let operation = if self.take("+") {
+                Operation::Add
             } else if self.take("-") {
-                -1.0
+                Operation::Subtract
             } else {
                 return Some(left);
             };
-            left = joined(&left, &self.product()?, |a, b| a + sign * b)?;
+            left = operation.apply(&left, &self.product()?)?;
         }
     }
 
     /// Reads factors with signs of multiplication or division between them.
-    fn product(&mut self) -> Option<Vec<f64>> {
+    fn product(&mut self) -> Option<Term> {
         let mut left = self.factor()?;
         loop {
-            if self.take("*") {
-                left = joined(&left, &self.factor()?, |a, b| a * b)?;
+            let operation = if self.take("*") {
+                Operation::Multiply
             } else if self.take("/") {
-                left = joined(&left, &self.factor()?, |a, b| a / b)?;
+                Operation::Divide
             } else {
                 return Some(left);
-            }
+            };
+            left = operation.apply(&left, &self.factor()?)?;
         }
     }
 
     /// Reads a factor: a sign before a factor, brackets, a list in braces, a name, or a number.
-    fn factor(&mut self) -> Option<Vec<f64>> {
+    fn factor(&mut self) -> Option<Term> {
         if self.take("-") {
-            return Some(self.factor()?.into_iter().map(|v| -v).collect());
+            return Operation::Multiply.apply(&Term::scalar(Component::Int, -1.0), &self.factor()?);
         }
         if self.take("+") {
             return self.factor();
@@ -86,7 +257,8 @@ impl Parser<'_> {
             return self.take(")").then_some(inside);
         }
         if self.take("{") {
-            return self.list("}");
+            let elements = self.list("}")?;
+            return joined(Kind::scalar(self.component), &elements);
         }
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if self.text.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -99,30 +271,37 @@ impl Parser<'_> {
     }
 
     /// Reads `true`, `false`, or a constructor.
-    fn named(&mut self, name: &str) -> Option<Vec<f64>> {
+    fn named(&mut self, name: &str) -> Option<Term> {
         match name {
-            "true" => return Some(vec![1.0]),
-            "false" => return Some(vec![0.0]),
+            "true" => return Some(Term::scalar(Component::Bool, 1.0)),
+            "false" => return Some(Term::scalar(Component::Bool, 0.0)),
             _ => {}
         }
         let is_array = self.take("[");
         if is_array {
             self.text = self.text.split_once(']')?.1.trim_start();
         }
-        let is_known =
-            ["float", "int", "uint", "bool"].contains(&name) || name.contains("vec") || name.starts_with("mat");
-        if !is_known || !self.take("(") {
+        let kind = Kind::of_name(name)?;
+        if !self.take("(") {
             return None;
         }
-        let inside = self.list(")")?;
-        Some(if is_array { inside } else { constructed(name, inside) })
+        let arguments = self.list(")")?;
+        if is_array {
+            return joined(kind, &arguments);
+        }
+        // A matrix takes over only the rows and columns that a matrix among its arguments has in common with it.
+        if arguments.iter().any(|a| a.is_array || (kind.is_matrix() && a.kind.is_matrix())) {
+            return None;
+        }
+        let parts = arguments.iter().map(|a| a.explicitly(kind.component)).collect::<Option<Vec<_>>>()?;
+        Some(Term { kind, is_array: false, numbers: kind.constructed(parts.concat())? })
     }
 
-    /// Reads expressions with commas between them, up to `end`, and returns all their numbers in one list.
-    fn list(&mut self, end: &str) -> Option<Vec<f64>> {
+    /// Reads expressions with commas between them, up to `end`.
+    fn list(&mut self, end: &str) -> Option<Vec<Term>> {
         let mut all = Vec::new();
         loop {
-            all.extend(self.sum()?);
+            all.push(self.sum()?);
             if self.take(end) {
                 return Some(all);
             }
@@ -133,7 +312,7 @@ impl Parser<'_> {
     }
 
     /// Reads a literal of GLSL.
-    fn number(&mut self) -> Option<Vec<f64>> {
+    fn number(&mut self) -> Option<Term> {
         let text = self.text;
         let mut end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '.').unwrap_or(text.len());
         // The exponent of a number may have a sign.
@@ -145,24 +324,31 @@ impl Parser<'_> {
         }
         let (number, rest) = text.split_at(end);
         self.text = rest.trim_start();
-        if let Some(digits) = number.strip_prefix("0x").or(number.strip_prefix("0X")) {
-            let digits = digits.trim_end_matches(['u', 'U']);
-            return u32::from_str_radix(digits, 16).ok().map(|v| vec![f64::from(v)]);
+        if !is_hexadecimal && number.contains(['.', 'e', 'E', 'f', 'F']) {
+            let number = number.trim_end_matches(['f', 'F', 'l', 'L']);
+            let value = number.parse().ok().filter(|v: &f64| v.is_finite())?;
+            return Some(Term::scalar(Component::Float, value));
         }
-        let number = number.trim_end_matches(['f', 'F', 'u', 'U', 'l', 'L']);
-        number.parse().ok().filter(|v: &f64| v.is_finite()).map(|v| vec![v])
+        let unsigned = number.strip_suffix(['u', 'U']);
+        let digits = unsigned.unwrap_or(number);
+        // A zero before other digits makes a number octal.
+        let (digits, radix) = match digits.strip_prefix('0') {
+            Some(rest) if is_hexadecimal => (&rest[1..], 16),
+            Some(rest) if !rest.is_empty() => (rest, 8),
+            _ => (digits, 10),
+        };
+        let bits = u32::from_str_radix(digits, radix).ok()?;
+        Some(match unsigned {
+            Some(_) => Term::scalar(Component::Uint, f64::from(bits)),
+            None => Term::scalar(Component::Int, f64::from(bits as i32)),
+        })
     }
 }
 
-/// Applies an operation number by number; a single number is combined with each number of the other side. `None` for
-/// sides of different lengths.
-fn joined(left: &[f64], right: &[f64], operation: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
-    match (left, right) {
-        ([a], all) => Some(all.iter().map(|b| operation(*a, *b)).collect()),
-        (all, [b]) => Some(all.iter().map(|a| operation(*a, *b)).collect()),
-        _ if left.len() == right.len() => Some(left.iter().zip(right).map(|(a, b)| operation(*a, *b)).collect()),
-        _ => None,
-    }
+/// Makes an array of its elements, which are converted to the component of `kind`.
+fn joined(kind: Kind, elements: &[Term]) -> Option<Term> {
+    let parts = elements.iter().map(|element| element.implicitly(kind.component)).collect::<Option<Vec<_>>>()?;
+    Some(Term { kind, is_array: true, numbers: parts.concat() })
 }
 
 #[cfg(test)]
@@ -199,5 +385,50 @@ mod tests {
         for text in ["sin(1.0)", "N", "a ? 1.0 : 2.0", "1.0 +", "vec2(1.0", "", "1.0 2.0", "1e999"] {
             assert_eq!(evaluate(text, "float"), None, "{text}");
         }
+    }
+
+    /// GLSL drops the remainder of a division of whole numbers, reads a leading zero as octal, and wraps at 32 bits.
+    #[test]
+    fn whole_numbers_are_those_of_glsl() {
+        let check = |text: &str, kind: &str, value: &[f64]| {
+            assert_eq!(evaluate(text, kind).as_deref(), Some(value), "{kind} {text}");
+        };
+        check("1/2", "float", &[0.0]);
+        check("1/2.0", "float", &[0.5]);
+        check("7/2*2", "int", &[6.0]);
+        check("-7/2", "int", &[-3.0]);
+        check("ivec2(7, 9) / 2", "ivec2", &[3.0, 4.0]);
+        check("vec2(1/2, 1)", "vec2", &[0.0, 1.0]);
+        check("{ 1/2, 1.5 }", "float", &[0.0, 1.5]);
+        check("010", "int", &[8.0]);
+        check("010u + 0", "uint", &[8.0]);
+        check("010.5", "float", &[10.5]);
+        check("0xFFFFFFFF", "int", &[-1.0]);
+        check("0xFFFFFFFFu", "uint", &[4294967295.0]);
+        check("-1", "uint", &[4294967295.0]);
+        check("-2147483648 / -1", "int", &[-2147483648.0]);
+        check("0x7FFFFFFF + 1", "int", &[-2147483648.0]);
+        check("int(2.7) + uint(1)", "uint", &[3.0]);
+        check("bvec2(2, 0)", "bvec2", &[1.0, 0.0]);
+        let wrong =
+            [("1/0", "int"), ("1u/0u", "uint"), ("08", "int"), ("0x", "int"), ("0x100000000", "int"), ("1.5", "int")];
+        for (text, kind) in wrong {
+            assert_eq!(evaluate(text, kind), None, "{kind} {text}");
+        }
+    }
+
+    /// Products of matrices and vectors are not made number by number; sums and factors are.
+    #[test]
+    fn products_of_matrices_have_none() {
+        for (text, kind) in [
+            ("mat2(1.0, 2.0, 3.0, 4.0) * mat2(2.0)", "mat2"),
+            ("mat2(2.0) * vec2(1.0)", "vec2"),
+            ("vec4(1.0) * mat2(2.0)", "vec4"),
+            ("mat2(mat3(1.0))", "mat2"),
+            ("mat2x3(mat3x2(1.0))", "mat2x3"),
+        ] {
+            assert_eq!(evaluate(text, kind), None, "{kind} {text}");
+        }
+        assert_eq!(evaluate("2 * mat2(1.0) + mat2(1.0)", "mat2"), Some(vec![3.0, 0.0, 0.0, 3.0]));
     }
 }

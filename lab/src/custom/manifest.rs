@@ -31,6 +31,9 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Greatest ratio of an image's side to the frame's side.
 const MOST_SCALE: f32 = 4.0;
 
+/// The most bytes that a buffer can have at any size of the frame: 64 GiB, so that sums with bytes for each pixel fit.
+const MOST_BUFFER_BYTES: u64 = 1 << 36;
+
 /// A checked manifest.
 #[derive(Debug, Clone)]
 pub struct Manifest {
@@ -160,6 +163,10 @@ fn check_buffers(
         if !(0.0..=1024.0).contains(&section.bytes_per_pixel) || (section.bytes == 0 && section.bytes_per_pixel == 0.0)
         {
             let message = format!("buffer {name} needs bytes, or bytes-per-pixel up to 1024, or both");
+            return Err(source.error(buffer.span(), message));
+        }
+        if section.bytes > MOST_BUFFER_BYTES {
+            let message = format!("buffer {name}: bytes must be at most {MOST_BUFFER_BYTES}");
             return Err(source.error(buffer.span(), message));
         }
         if images.contains_key(name) {

@@ -4,22 +4,32 @@ use super::sections::ParameterSection;
 use super::{Manifest, is_word};
 use ssct_ground::Result;
 use ssct_ground::parameter::{Choice, Domain, Parameter, Preset, Value};
+use std::collections::BTreeSet;
 use toml::Spanned;
 
 impl Manifest {
-    /// Returns the method's own parameters. Their texts live as long as the program.
-    pub fn parameters(&self) -> Result<Vec<Parameter>> {
-        self.parameters.iter().map(|(name, section)| self.parameter(name, section)).collect()
+    /// Returns the method's own parameters, none of which may have a name in `reserved`. Their texts live as long as
+    /// the program.
+    pub fn parameters(&self, reserved: &BTreeSet<String>) -> Result<Vec<Parameter>> {
+        self.parameters.iter().map(|(name, section)| self.parameter(name, section, reserved)).collect()
     }
 
     /// Makes and checks one parameter. Its name is `name` with underscores in place of hyphens.
-    fn parameter(&self, name: &str, section: &Spanned<ParameterSection>) -> Result<Parameter> {
+    fn parameter(
+        &self,
+        name: &str,
+        section: &Spanned<ParameterSection>,
+        reserved: &BTreeSet<String>,
+    ) -> Result<Parameter> {
         let span = section.span();
         let declaration = section.get_ref();
         let wrong = |message: &str| self.error(&span, format!("parameter {name}: {message}"));
         let leak = |text: &str| -> &'static str { text.to_owned().leak() };
         if !is_word(name) {
             return Err(wrong("the name must consist of small letters, digits and hyphens"));
+        }
+        if reserved.contains(name) {
+            return Err(wrong("the option of this name belongs to the program; choose another name"));
         }
         let choices: &'static [Choice] =
             declaration.choices.iter().map(|c| Choice { name: leak(c), help: "" }).collect::<Vec<_>>().leak();
