@@ -12,7 +12,7 @@
 //! Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own `worldToCamera` are 4×4 matrices in
 //! Imath's row-vector order, left-handed, with y up and z forward. The numbers `fovYRadians` or, for an orthographic
 //! projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection
-//! exactly. If a file lacks them, the projection is taken from its matrix.
+//! exactly. They may also be 64-bit floats or integers. If a file lacks them, the projection is taken from its matrix.
 
 use super::exr_channels::{self, ExrChannels, check_values, components, vector_channels};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
@@ -25,6 +25,10 @@ use glam::{Mat4, Vec3};
 use ssct_geometry::bounded;
 use ssct_ground::{Error, Result};
 use std::path::Path;
+
+/// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice
+/// the rounding of a 16-bit float.
+pub(super) const NEAR_TOLERANCE: f64 = 1.0 / 1024.0;
 
 /// Encodes a G-buffer as the bytes of a file.
 ///
@@ -75,7 +79,8 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
 /// [`MAX_BYTES`]. This error is also returned if the file claims more pixels than its bytes can hold, has only a piece
 /// of an image, uses a lossy compression, or lacks a channel or the projection. For a value that is not finite or out
-/// of range, the error names the first pixel of the channel that has one.
+/// of range, and for a `Z` above 0 in front of the near plane, the error names the first pixel of the channel that has
+/// one.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
@@ -92,7 +97,14 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         }
         (None, Some(z)) => {
             check("Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
-            let reversed = |z: &f32| match reversed_depth(*z, &camera.lens) {
+            let near = camera.lens.near_m;
+            let least = f64::from(near) * (1.0 - NEAR_TOLERANCE);
+            let allowed = format!("0, which is sky, or at least {near}, the distance of the near plane in metres");
+            let is_right = |z: f32| z == 0.0 || f64::from(z) >= least;
+            check_values(path, (width, "pixel"), "Z", &allowed, &z, is_right)?;
+            // Rounding may put a surface on the near plane in front of it, where its depth would be that of sky.
+            let placed = |z: f32| if z > 0.0 { z.max(near) } else { z };
+            let reversed = |z: &f32| match reversed_depth(placed(*z), &camera.lens) {
                 // The depth may be NaN for planes at the limits of floats.
                 depth if depth > 0.0 => depth.min(1.0),
                 _ => 0.0,
@@ -147,6 +159,9 @@ pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
 fn read_camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
     let number = |name: &str| match attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::F32(value)) => Some(*value),
+        // Python's numbers become one of these, and a round number such as a far plane at 1000 an integer.
+        Some(AttributeValue::F64(value)) => Some(*value as f32),
+        Some(AttributeValue::I32(value)) => Some(*value as f32),
         _ => None,
     };
     let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
@@ -279,6 +294,43 @@ mod tests {
         }
         assert_eq!(reversed_depth(0.0, &expected), 0.0, "sky");
         assert!(lens_of_matrix(&gbuffer.camera.view_to_clip().transpose()).is_err());
+    }
+
+    /// Encodes 3 × 2 pixels with a channel `Z` and no channel `depth`, and with numbers of three types, and decodes
+    /// them.
+    fn decode_view_z(z: [f32; 6]) -> Result<GBufferData> {
+        let path = Path::new("z.exr");
+        let numbers = [
+            ("fovYRadians", AttributeValue::F64(1.2)),
+            ("aspectRatio", AttributeValue::I32(1)),
+            ("nearPlane", AttributeValue::F32(0.25)),
+            ("farPlane", AttributeValue::I32(50)),
+        ];
+        let mut attributes = LayerAttributes::default();
+        attributes.other.extend(numbers.map(|(name, value)| (Text::from(name), value)));
+        let mut channels = vec![("Z", z.to_vec()), ("roughness", vec![0.1; 6]), ("reflectivity", vec![0.5; 6])];
+        channels.extend(vector_channels(["R", "G", "B"], &[Vec3::ONE; 6]));
+        channels.extend(vector_channels(["N.X", "N.Y", "N.Z"], &[Vec3::NEG_Z; 6]));
+        decode(&exr_channels::encode([3, 2], attributes, channels, path)?, path)
+    }
+
+    #[test]
+    fn numbers_of_the_projection_may_be_integers_and_64_bit_floats() {
+        let camera = decode_view_z([2.0; 6]).expect("decodes").camera;
+        assert_eq!((camera.lens, camera.aspect), (Lens::perspective(1.2, 0.25, 50.0), 1.0));
+    }
+
+    #[test]
+    fn view_z_in_front_of_the_near_plane_is_refused_but_for_its_rounding() {
+        let depth = decode_view_z([0.0, 60.0, 0.249_9, 0.25, 2.0, 50.0]).expect("decodes").depth;
+        assert_eq!([depth[0], depth[1], depth[2], depth[3], depth[5]], [0.0, 0.0, 1.0, 1.0, 0.0]);
+        assert!(depth[4] > 0.0 && depth[4] < 1.0, "{}", depth[4]);
+        let error = decode_view_z([2.0, 2.0, 2.0, 0.01, 2.0, 2.0]).expect_err("in front of the near plane");
+        assert_eq!(
+            error.to_string(),
+            "z.exr: channel Z is 0.01 at pixel 0, 1; it must be 0, which is sky, or at least 0.25, the distance of the \
+             near plane in metres"
+        );
     }
 
     #[test]

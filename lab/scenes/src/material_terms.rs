@@ -25,7 +25,7 @@ pub const F0: f32 = 0.04;
 /// The warning about surfaces that are rougher than the widest lobe allows.
 pub const TOO_ROUGH: &str = "roughness above 0.42 is wider than the widest lobe (ϱ = 1) and counts as that";
 
-/// Returns the reflection at normal incidence, 0…1, of a surface with an index of refraction above 0.
+/// Returns the reflection at normal incidence, 0…1, of a surface with an index of refraction from 0 on.
 pub fn f0_of_ior(ior: f32) -> f32 {
     ((ior - 1.0) / (ior + 1.0)).powi(2)
 }

@@ -79,6 +79,27 @@ fn colours_may_be_rounded_by_b44_and_depth_may_not() {
     assert!(message.contains("was rounded by b44 compression"), "{message}");
 }
 
+/// Pixels at a limit of the map are sky even if no 32-bit float equals the limit's decimal number.
+#[test]
+fn limits_of_sky_are_rounded_as_pixels_are() {
+    let folder = Folder::new();
+    for (kind, key, limit, surface) in [
+        ("reversed", "sky-beyond", 0.05, 0.5),
+        ("standard", "sky-beyond", 0.95, 0.5),
+        ("view-z", "sky-beyond", 9.7, 2.0),
+        ("view-z", "sky-value", -9999.9, 2.0),
+    ] {
+        let mut depths = vec![surface; 32];
+        depths[0] = limit;
+        let mut samples = channels([0, 0], SIZE);
+        samples[0] = floats(depths);
+        write_exr(&folder.path("sky.exr"), SIZE, vec![Part::new(named(&NAMES, samples))]);
+        let map = MAP.replace("kind = \"view-z\"", &format!("kind = \"{kind}\"\n{key} = {limit}"));
+        let depth = super::read(&folder, &map, "sky.exr").depth;
+        assert!(depth[0] == 0.0 && depth[1] > 0.0, "{kind} {key}: {} {}", depth[0], depth[1]);
+    }
+}
+
 /// Writes a part whose stored pixels begin at `position` and have the size `stored`, and whose image is [`SIZE`] from
 /// pixel 0, 0 on.
 fn write_overscan(folder: &Folder, name: &str, position: [i32; 2], stored: [u32; 2]) {

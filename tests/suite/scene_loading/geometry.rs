@@ -100,10 +100,10 @@ fn normals_that_lean_behind_their_face_stay_as_they_are() {
 /// Two squares at a right angle along the edge x = 1.
 const FOLD: &str = "v 1 0 -1\nv 1 1 -1\nf 1 2 3 4\nf 2 5 6 3\n";
 
-/// Two squares at a right angle without normals have the normals of their faces, for three ways to turn smoothing off.
+/// Two squares at a right angle without normals have the normals of their faces, for every way to turn smoothing off.
 #[test]
 fn without_smoothing_groups_missing_normals_are_flat() {
-    for switch in ["", "s off\n", "s 0\n"] {
+    for switch in ["", "s off\n", "s 0\n", "s null\n", "s off # none\n"] {
         let scene = square(&format!("{switch}{FOLD}")).scene();
         assert_eq!(scene.meshes[0].vertices.len(), 8, "{switch:?}");
         for vertex in &scene.meshes[0].vertices {
@@ -121,6 +121,10 @@ fn in_a_smoothing_group_missing_normals_are_means() {
     assert_sound(&scene);
     // Both squares have a right angle here, however they are cut: the mean is the bisector.
     assert!((normal(at_edge) - Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt())).length() < 1e-6);
+    // Only the first word counts, and `on` is a group.
+    for group in ["s 1 # one", "s on"] {
+        assert_eq!(square(&format!("{group}\n{FOLD}")).scene().meshes[0].vertices.len(), 6, "{group}");
+    }
     // In two groups, the edge between the squares stays sharp.
     let two = square("v 1 0 -1\nv 1 1 -1\ns 1\nf 1 2 3 4\ns 2\nf 2 5 6 3\n").scene();
     assert_eq!(two.meshes[0].vertices.len(), 8);

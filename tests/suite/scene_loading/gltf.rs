@@ -226,6 +226,8 @@ fn metallic_roughness_becomes_albedo_reflectivity_and_the_lobe() {
     assert_eq!((usual.albedo, usual.roughness, usual.emission), (Vec3::new(1.0, 0.5, 0.0), 0.0, 0.0));
     assert!(close(usual.reflectivity, 0.04));
     assert!(close(plastic(json!({"KHR_materials_ior": {"ior": 3}})).reflectivity, 0.25));
+    // The index 0 stands for a surface that reflects everything.
+    assert!(close(plastic(json!({"KHR_materials_ior": {"ior": 0}})).reflectivity, 1.0));
     let unlit = plastic(json!({"KHR_materials_unlit": {}}));
     assert_eq!((unlit.emission, unlit.reflectivity, unlit.albedo), (1.0, 0.0, Vec3::new(1.0, 0.5, 0.0)));
 }
@@ -282,6 +284,8 @@ fn masks_cut_at_their_cutoff_and_sides_are_kept() {
     let holes = |scene: &Scene| [0, 1].map(|x| texel(scene, scene.materials[0].alpha_mask, x, 0)[0] < 128);
     assert_eq!(holes(&leaf("MASK", 0.3)), [false, true]);
     assert_eq!(holes(&leaf("MASK", 0.2)), [false, false]);
+    // No alpha is below 0, so that there are no holes.
+    assert!([0.0, -1.0].iter().all(|cutoff| leaf("MASK", *cutoff).materials[0].alpha_mask.is_none()));
     let blended = leaf("BLEND", 0.0);
     assert_eq!(holes(&blended), [true, true]);
     assert!(sentences(&blended)[0].starts_with("transparency is not supported"), "{:?}", blended.warnings);

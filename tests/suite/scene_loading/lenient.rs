@@ -86,7 +86,7 @@ fn lines_of_maps_have_options_before_and_behind_blanks_and_comments() {
         ("map_Kd my\\ green.png", "my green.png"),
         ("map_Kd \"my green.png\"", "my green.png"),
         ("map_Kd my green.png", "my green.png"),
-        ("map_Kd green.png -clamp on", "green.png"),
+        ("map_Kd green.png -clamp off", "green.png"),
         ("map_Kd -s 1 1 1 -o 0 0 0 green.png -blendu on # end", "green.png"),
         ("map_Kd -unknown 3 green.png", "green.png"),
         ("map_Kd a#b.png", "a#b.png"),
@@ -123,6 +123,22 @@ fn names_of_materials_and_libraries_may_have_comments() {
     let folder = square("mtllib my\\ lib.mtl\nusemtl m\nf 1 2 3\n");
     folder.write("my lib.mtl", b"newmtl m\nKd 1 0 0\n");
     assert_eq!(albedo(&folder), (Vec3::X, Vec::new()));
+}
+
+/// If two MTL files define a material, the first counts.
+#[test]
+fn the_first_library_with_a_name_counts() {
+    let folder = square("mtllib a.mtl b.mtl\nusemtl m\nf 1 2 3\n");
+    folder.write("a.mtl", b"newmtl m\nKd 1 0 0\n");
+    folder.write("b.mtl", b"newmtl m\nKd 0 1 0\n");
+    assert_eq!(albedo(&folder), (Vec3::X, Vec::new()));
+}
+
+/// The statement `fo`, an older word for `f`, continues over a line end as `f` does.
+#[test]
+fn old_faces_continue_over_line_ends() {
+    let scene = square("fo 1 2 \\\n3 4\n").scene();
+    assert_eq!((scene.triangle_count(), scene.warnings.len()), (2, 0));
 }
 
 /// The keywords of an OBJ file may be capital letters.
@@ -176,13 +192,14 @@ fn each_kind_of_loss_is_one_warning() {
         ("refl -type sphere x.png", "reflection maps"),
         ("disp x.png", "displacement"),
         ("Kd spectral x.rfl", "colours as spectral curves"),
+        ("map_Kn x.png\nmap_Tr x.png", "a statement is unknown"),
     ] {
         // Twice is still one warning.
         let warnings = warnings(&format!("{lost}\n{lost}"));
         assert!(warnings.len() == 1 && warnings[0].starts_with(&format!("a.mtl:2: {about}")), "{lost}: {warnings:?}");
     }
     let kept = "d 1\nTr 0\nTf 1 1 1\nKe 0 0 0\nPs 0\nPc 0\nPcr 0.03\naniso 0\nanisor 0.5\nKa 1 1 1\nNi 1.5\nillum 2\n\
-        sharpness 60\n";
+        sharpness 60\nmap_Ka x.png\n";
     assert_eq!(warnings(kept), [""; 0], "what says nothing");
     let two = warnings("d 0\ndisp x.png");
     assert_eq!(two.len(), 2, "{two:?}");

@@ -1,8 +1,9 @@
 //! Tests the lights and views that are chosen for a glTF file without lights or cameras, and the exposure of the lights
-//! that a file has.
+//! that a file has. Tests which cameras lose a roll.
 
-use super::gltf::{close, scene, square};
+use super::gltf::{close, scene, sentences, square};
 use super::*;
+use glam::Quat;
 use serde_json::{Value, json};
 use ssct_scenes::Light;
 
@@ -77,4 +78,29 @@ fn a_dim_lamp_is_exposed_as_a_bright_one_is() {
     let bright = lit(json!({"type": "point", "intensity": 5e6}), [1.0, 0.5, 2.0]);
     assert_eq!(scene(&dim).lights, scene(&bright).lights);
     assert!(notes(&dim)[0].contains("which gives 0.125 lx"), "{:?}", notes(&dim));
+}
+
+/// A camera that is rolled, hangs upside down, or is turned while it looks straight down gets a warning, since views
+/// are upright. Level and tilted cameras, and those that look straight up or down as a view does, get none.
+#[test]
+fn only_cameras_that_are_set_upright_get_a_warning() {
+    let [x, y, z] = [Quat::from_rotation_x, Quat::from_rotation_y, Quat::from_rotation_z];
+    let half_pi = std::f32::consts::FRAC_PI_2;
+    for (turn, is_rolled) in [
+        (Quat::IDENTITY, false),
+        (y(0.5) * x(-0.4), false),
+        (x(-half_pi), false),
+        (x(half_pi), false),
+        (z(0.3), true),
+        (z(2.0 * half_pi), true),
+        (x(-half_pi) * z(half_pi), true),
+    ] {
+        let document = square(json!({}), |d| {
+            camera(d);
+            d["nodes"][1]["rotation"] = json!(turn.to_array());
+        });
+        let scene = scene(&document);
+        let has_warning = sentences(&scene).iter().any(|sentence| sentence.starts_with("cameras that are rolled"));
+        assert_eq!(has_warning, is_rolled, "{turn}");
+    }
 }

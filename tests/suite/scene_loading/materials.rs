@@ -210,13 +210,18 @@ fn black_kd_under_a_map_counts_as_white() {
     assert_eq!(material(&with_mtl("Kd 0 0 0")).albedo, Vec3::ZERO);
 }
 
-/// The options of an MTL map that move or scale texture coordinates get a warning, and the image is used without them.
+/// The options of an MTL map that move or scale texture coordinates, or change the image, get a warning, and the image
+/// is used without them.
 #[test]
-fn moved_texture_coordinates_are_not_supported_and_say_so() {
-    let folder = with_mtl("map_Kd -s 2 2 1 x.png");
-    folder.image("x.png", 1, 1, |_, _| [9; 4]);
-    let expected = "a.mtl:2: material m: the options -s, -o and -t of maps are not supported and were ignored";
-    assert_eq!(folder.warnings(&folder.scene()), [expected]);
+fn options_that_are_not_supported_say_so() {
+    for (line, options) in
+        [("map_Kd -s 2 2 1 x.png", "-s, -o and -t"), ("map_Kd -mm 0.5 0.1 x.png", "-mm, -imfchan and -clamp")]
+    {
+        let folder = with_mtl(line);
+        folder.image("x.png", 1, 1, |_, _| [9; 4]);
+        let expected = format!("a.mtl:2: material m: the options {options} of maps are not supported and were ignored");
+        assert_eq!(folder.warnings(&folder.scene()), [expected]);
+    }
 }
 
 /// A missing MTL file, a file that names no library, and an undefined material each get a warning, and the material is

@@ -4,6 +4,7 @@
 use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::gbuffer_file::NEAR_TOLERANCE;
 use crate::{Camera, ProjectionKind};
 use glam::DVec3;
 use ssct_ground::Result;
@@ -78,10 +79,6 @@ pub(super) struct MapDepth {
     /// A stored value that stands for sky.
     sky_value: Option<f64>,
 }
-
-/// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice
-/// the rounding of a 16-bit float.
-const NEAR_TOLERANCE: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
     /// Takes the keys of the section `[depth]`, and checks that they can be given together.
@@ -218,14 +215,16 @@ impl MapDepth {
 
     /// Returns true if a value of the file stands for sky.
     fn is_sky(&self, raw: f64) -> bool {
-        let beyond = match (self.kind, self.sky_beyond) {
+        // Pixels are 32-bit floats. A limit such as 0.05 equals the pixels that stand for it only if it is rounded too.
+        let stored = |number: f64| f64::from(number as f32);
+        let beyond = match (self.kind, self.sky_beyond.map(stored)) {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
             (_, Some(limit)) => raw.abs() >= limit.abs(),
             // Infinite distances of either sign are sky; `to_reversed` makes sky of finite ones beyond the far plane.
             (_, None) => raw.is_infinite(),
         };
-        beyond || self.sky_value.is_some_and(|sky| raw == sky)
+        beyond || self.sky_value.is_some_and(|sky| raw == stored(sky))
     }
 }
 

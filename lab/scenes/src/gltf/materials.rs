@@ -247,7 +247,8 @@ pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut
 fn factors(material: &gltf::Material) -> Factors {
     let pbr = material.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
-    let ior = material.ior().filter(|ior| ior.is_finite() && *ior > 0.0);
+    // KHR_materials_ior gives the index 0 a meaning: everything is reflected (F0 = 1), as the formula yields.
+    let ior = material.ior().filter(|ior| ior.is_finite() && *ior >= 0.0);
     let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let specular = material.extension_value("KHR_materials_specular");
     let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |number| number as f32);
@@ -328,7 +329,8 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     }
     let cutoff = match material.alpha_mode() {
         AlphaMode::Opaque => None,
-        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
+        // No alpha is below a cutoff of 0, not even that of a transparent texel.
+        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)).filter(|cutoff| *cutoff > 0.0),
         AlphaMode::Blend => Some(0.5),
     };
     let mut add = |wanted: Baked| baked.add(wanted);

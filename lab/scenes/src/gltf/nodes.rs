@@ -322,16 +322,18 @@ fn view_of_camera(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Uni
     let [eye, look_at] = [eye, eye + distance * forward].map(|point| point.as_vec3());
     let is_in_range = |point: Vec3| point.is_finite() && point.abs().max_element() <= MAX_COORDINATE_M;
     let is_sound = is_in_range(eye) && is_in_range(look_at) && (look_at - eye).try_normalize().is_some();
-    if !is_sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
+    let upright = Camera::new(eye, look_at, lens, 1.0);
+    if !is_sound || !upright.is_sound() {
         notes.add(
             "camera",
             format!("camera {} cannot be used as a view and was left out", bounded::printable_name(name)),
         );
         return None;
     }
-    // An upright camera has a level x axis, unless it looks straight up or down.
-    let right = to_world.x_axis.truncate().normalize_or_zero();
-    if right.y.abs() > 1e-3 && forward.y.abs() < 0.999_999 {
+    // A level x axis is not enough: it is level, too, if the camera hangs upside down or looks straight down. Below a
+    // stretched node, the x axis may lean along the view, which turns nothing in the picture.
+    let right = to_world.x_axis.truncate().reject_from_normalized(forward).normalize_or_zero();
+    if right.distance(upright.world_to_view.row(0).truncate().as_dvec3()) > 1e-3 {
         notes.add("roll", "cameras that are rolled about their axis are set upright".to_owned());
     }
     Some(View { eye, look_at, lens: Some(lens), ..View::default() })

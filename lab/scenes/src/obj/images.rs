@@ -24,6 +24,8 @@ pub(super) struct ImageStatement {
     pub multiplier: f32,
     /// Whether the statement has `-s`, `-o` or `-t`, which transform texture coordinates.
     pub transformed: bool,
+    /// Whether the statement has `-mm`, `-imfchan` or `-clamp` with a value that changes the image.
+    pub altered: bool,
 }
 
 impl ImageStatement {
@@ -129,15 +131,19 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialSource>, side: u32)
         textures.set_maps(material, source.reading.as_ref(), images);
     }
     scene.textures.extend(textures.finish(scene.textures.len(), &mut scene.materials));
-    warn_of_transforms(scene, &sources);
+    warn_of_options(scene, &sources);
 }
 
-/// Adds a warning for each material with an image whose options would transform texture coordinates.
-fn warn_of_transforms(scene: &mut Scene, sources: &[MaterialSource]) {
+/// Adds a warning for each material with an image whose options would transform texture coordinates, and one for each
+/// material with an image whose options would change the image.
+fn warn_of_options(scene: &mut Scene, sources: &[MaterialSource]) {
     for (source, material) in sources.iter().zip(&scene.materials) {
-        if let Some(image) = source.images.all().into_iter().flatten().find(|image| image.transformed) {
+        let images = || source.images.all().into_iter().flatten();
+        let transformed = images().find(|image| image.transformed).map(|image| (image, "-s, -o and -t"));
+        let altered = images().find(|image| image.altered).map(|image| (image, "-mm, -imfchan and -clamp"));
+        for (image, options) in transformed.into_iter().chain(altered) {
             let place = image.place();
-            let what = "the options -s, -o and -t of maps are not supported and were ignored";
+            let what = format!("the options {options} of maps are not supported and were ignored");
             scene.warnings.push(format!("{place}: material {}: {what}", material.name));
         }
     }

@@ -13,7 +13,7 @@
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 //!
 //! Other statements that change the look of a material are dropped, with a warning for each kind ([`lost_meaning`]).
-//! `sharpness` and unknown statements are ignored.
+//! `sharpness`, `map_Ka`, `map_aat` and unknown statements are ignored, but unknown maps get a warning.
 
 mod laws;
 mod maps;
@@ -78,7 +78,8 @@ impl Definition {
 }
 
 /// Reads the MTL files that the `mtllib` statements of the OBJ file at `obj_path` name. `statements` are their lines
-/// and texts. A file that is named twice is read once, and a missing file adds a warning.
+/// and texts. A file that is named twice is read once, and a missing file adds a warning. If several files define a
+/// name, the first of them counts.
 pub(super) fn read_libraries(
     obj_path: &Path,
     statements: &[(usize, String)],
@@ -95,7 +96,9 @@ pub(super) fn read_libraries(
             match path {
                 Some(path) => {
                     let bytes = read_limited(&path)?;
-                    read_materials(&path, &decode(&path, &bytes)?, &mut definitions.named)?;
+                    for (name, definition) in read_materials(&path, &decode(&path, &bytes)?)? {
+                        definitions.named.entry(name).or_insert(definition);
+                    }
                 }
                 None => warnings.push(format!(
                     "{}:{line}: the MTL file {} is missing; its materials are white",
@@ -187,9 +190,9 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     distinct
 }
 
-/// Reads the materials in the text of one MTL file, and adds them to `definitions`. If a name occurs twice, the last
-/// definition is used.
-fn read_materials(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
+/// Reads the materials in the text of one MTL file. If a name occurs twice, the last definition is used.
+fn read_materials(path: &Path, text: &str) -> Result<HashMap<String, Definition>> {
+    let mut definitions = HashMap::new();
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
     let mut exporter = Exporter::default();
@@ -216,7 +219,7 @@ fn read_materials(path: &Path, text: &str, definitions: &mut HashMap<String, Def
         }
     }
     definitions.extend(with_law(current, exporter));
-    Ok(())
+    Ok(definitions)
 }
 
 /// The file and line of a statement.
@@ -282,8 +285,15 @@ fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
         "ps" | "pc" | "aniso" if differs_from(0.0) => {
             Some("sheen, clear coats and anisotropy are not supported and were ignored")
         }
-        "map_ps" | "map_pc" | "map_pcr" => Some("sheen, clear coats and anisotropy are not supported and were ignored"),
-        "disp" | "map_disp" | "decal" => Some("displacement and decals are not supported and were ignored"),
+        "map_ps" | "map_pc" | "map_pcr" | "map_aniso" | "map_anisor" => {
+            Some("sheen, clear coats and anisotropy are not supported and were ignored")
+        }
+        "disp" | "map_disp" | "decal" | "map_decal" => {
+            Some("displacement and decals are not supported and were ignored")
+        }
+        // Exporters write map_Ka beside an equal map_Kd, and map_aat asks for antialiasing, which textures have anyway.
+        "map_ka" | "map_aat" => None,
+        _ if keyword.starts_with("map_") => Some("a statement is unknown and was ignored"),
         _ => None,
     }
 }

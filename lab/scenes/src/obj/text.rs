@@ -93,7 +93,8 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
         let mut statement = Cow::Borrowed(first.trim());
-        if matches!(statement.split_whitespace().next(), Some("v" | "vt" | "vn" | "f" | "V" | "VT" | "VN" | "F")) {
+        let keyword = statement.split_whitespace().next().unwrap_or("");
+        if ["v", "vt", "vn", "f", "fo"].iter().any(|name| keyword.eq_ignore_ascii_case(name)) {
             while let Some(head) = statement.strip_suffix('\\') {
                 let next = lines.next().map_or("", |(_, line)| line.trim());
                 statement = Cow::Owned(format!("{head} {next}"));
@@ -186,7 +187,7 @@ impl<'a> Scan<'a> {
                 // Writing to a String cannot fail.
                 let _ = writeln!(self.out.faces, "g {}", rest.trim());
             }
-            "s" => self.smoothing = rest.trim().parse().unwrap_or(0),
+            "s" => self.smoothing = smoothing_group(rest),
             "usemtl" => self.use_material(rest.trim()),
             "mtllib" => self.out.libraries.push((self.line, rest.trim().to_owned())),
             "l" | "p" => self.note_dropped("lines and points are not drawn"),
@@ -376,6 +377,16 @@ impl<'a> Scan<'a> {
         let place = self.path.display();
         warnings.extend(self.dropped.iter().map(|(sentence, line)| format!("{place}:{line}: {sentence}")));
         Ok(self.out)
+    }
+}
+
+/// Returns the smoothing group that a statement sets; 0 is none, as for `off` and `null`. Only the first word counts,
+/// since a comment may follow it. Some programs write `on`, which names no group, and counts as group 1.
+fn smoothing_group(rest: &str) -> u32 {
+    match rest.split_whitespace().next() {
+        Some(word) if word.eq_ignore_ascii_case("on") => 1,
+        Some(word) => word.parse().unwrap_or(0),
+        None => 0,
     }
 }
 

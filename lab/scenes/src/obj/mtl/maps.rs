@@ -11,6 +11,8 @@ struct MapOptions {
     multiplier: f32,
     /// Whether `-s`, `-o` or `-t` is given with numbers that transform texture coordinates.
     transformed: bool,
+    /// Whether `-mm`, `-imfchan` or `-clamp` is given with a value that changes the image.
+    altered: bool,
 }
 
 /// Reads the options at the beginning of a text into `options`, and returns the text after them.
@@ -36,7 +38,12 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
                 ("-bm", Some(value)) => options.multiplier = value.clamp(-16.0, 16.0),
                 ("-o" | "-t", Some(value)) => options.transformed |= value != 0.0,
                 ("-s", Some(value)) => options.transformed |= value != 1.0 && index < 2,
-                _ => {}
+                // The defaults of the two numbers, base and gain, are 0 and 1.
+                ("-mm", Some(value)) => options.altered |= value != index as f32,
+                // The channels l and m are luminance and alpha, which masks and factors are read from anyway.
+                _ => {
+                    options.altered |= matches!((option, word), ("-clamp", "on") | ("-imfchan", "r" | "g" | "b" | "z"))
+                }
             }
             after = after_word;
         }
@@ -58,7 +65,7 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
 /// Each reading is also tried with each backslash before a blank removed. If no file exists, the third reading is the
 /// name.
 pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
-    let mut options = MapOptions { multiplier: 1.0, transformed: false };
+    let mut options = MapOptions { multiplier: 1.0, transformed: false, altered: false };
     let whole = take_options(rest, &mut options);
     let bare = without_comment(whole);
     // At an option, some text is taken, so that the text after the options is shorter.
@@ -81,13 +88,14 @@ pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatemen
     if name.len() <= head.len() {
         take_options(tail.trim_start(), &mut options);
     }
-    let MapOptions { multiplier, transformed } = options;
+    let MapOptions { multiplier, transformed, altered } = options;
     (!name.is_empty()).then(|| ImageStatement {
         name,
         mtl_path: place.path.to_owned(),
         line: place.line,
         multiplier,
         transformed,
+        altered,
     })
 }
 
@@ -124,5 +132,18 @@ mod tests {
         is("x.png -bm 0.5 -clamp on # the bark", "x.png", 0.5, false);
         is("x-y -z.png", "x-y -z.png", 1.0, false);
         assert_eq!(image("  "), None);
+    }
+
+    #[test]
+    fn options_that_change_an_image_are_told_from_those_that_do_not() {
+        let place = Place { path: Path::new("a.mtl"), line: 3 };
+        let is_altered =
+            |options: &str| image_statement(&place, &format!("{options} x.png")).map(|image| image.altered);
+        for options in ["-mm 0.5 0.1", "-mm 0 2", "-clamp on", "-imfchan g"] {
+            assert_eq!(is_altered(options), Some(true), "{options}");
+        }
+        for options in ["-mm 0 1", "-clamp off", "-imfchan l", "-imfchan m", "-blendu on", "-s 2 2 2"] {
+            assert_eq!(is_altered(options), Some(false), "{options}");
+        }
     }
 }
