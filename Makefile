@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build dist package install-c study gpu-study bars league test check-c test-one shader-test test-busy test-times test-wgpu test-bevy test-drivers test-debian-12 \
+.PHONY: all setup build dist package install-c study gpu-study bars league test test-one shader-test test-busy test-times test-wgpu test-bevy test-drivers test-debian-12 \
 	test-debian-13 test-debian-13-backports test-faults test-sanitized test-gpu-av soak test-blender test-mitsuba test-cluster test-snakemake embree library fuzz lint bench view doc docs \
 	clean
 
@@ -58,10 +58,6 @@ league: build
 
 test: setup
 	$(CARGO) test
-
-# Whether the interface for C compiles without what the laboratory turns on.
-check-c: setup
-	$(CARGO) check --package ssct-c --features compile-shaders
 
 # The tests of a shader that changed, as they were built last: FILE=shaders-glsl/common/history.glsl, and TESTS names others than
 # those that share a word with it.

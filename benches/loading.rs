@@ -51,7 +51,7 @@ fn gltf_of_cameras(count: usize) -> String {
 /// Times the loading of both kinds of files in three sizes each.
 fn time_loading(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a folder");
-    let written = |name: &str, text: &str| {
+    let write_file = |name: &str, text: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, text).expect("writes");
         path

@@ -13,38 +13,17 @@ cat >"$scratch/half.py" <<'PY'
 import sys
 
 import numpy as np
-import wgpu
+from lavapipe import draw
 
 SIDE = 256
 SHADER = """
-@vertex
-fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
-}
 @fragment
 fn shade(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let number = 1.0 + floor(pixel.x) * 0.0037;
     return vec4f(number, unpack2x16float(pack2x16float(vec2f(number))).x, 1e6, 1.0);
 }
 """
-adapters = wgpu.gpu.enumerate_adapters_sync()
-lavapipe = next(a for a in adapters if a.info["backend_type"] == "Vulkan" and "llvmpipe" in a.info["device"])
-device = lavapipe.request_device_sync()
-module = device.create_shader_module(code=SHADER)
-pipeline = device.create_render_pipeline(
-    layout="auto", vertex={"module": module, "entry_point": "corner"}, primitive={"topology": "triangle-list"},
-    fragment={"module": module, "entry_point": "shade", "targets": [{"format": "rgba16float"}]},
-)
-use = wgpu.TextureUsage
-target = device.create_texture(size=(SIDE, 1, 1), format="rgba16float", usage=use.RENDER_ATTACHMENT | use.COPY_SRC)
-encoder = device.create_command_encoder()
-attachment = {"view": target.create_view(), "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}
-work = encoder.begin_render_pass(color_attachments=[attachment])
-work.set_pipeline(pipeline)
-work.draw(3)
-work.end()
-device.queue.submit([encoder.finish()])
-data = device.queue.read_texture({"texture": target}, {"bytes_per_row": 8 * SIDE}, (SIDE, 1, 1))
+data = draw(SHADER, [], "rgba16float", (SIDE, 1), 8)
 found = np.frombuffer(data, np.float16).reshape(SIDE, 4).astype(np.float64)
 numbers = 1.0 + np.arange(SIDE) * 0.0037
 leans = {}

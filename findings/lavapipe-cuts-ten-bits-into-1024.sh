@@ -13,45 +13,22 @@ cat >"$scratch/tenbits.py" <<'PY'
 import sys
 
 import numpy as np
-import wgpu
+from lavapipe import draw
 
 SIDE = 256
 SHADER = """
-@vertex
-fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
-}
 @fragment
 fn shade(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let number = (floor(pixel.x) + 256.0 * floor(pixel.y)) / 65535.0;
     return vec4f(number, number, number, 1.0);
 }
 """
-adapters = wgpu.gpu.enumerate_adapters_sync()
-lavapipe = next(a for a in adapters if a.info["backend_type"] == "Vulkan" and "llvmpipe" in a.info["device"])
-device = lavapipe.request_device_sync()
-module = device.create_shader_module(code=SHADER)
-use = wgpu.TextureUsage
 numbers = np.arange(SIDE * SIDE) / (SIDE * SIDE - 1)
 
 
 def stored(image_format, most):
     """The bits that are stored for each number."""
-    pipeline = device.create_render_pipeline(
-        layout="auto", vertex={"module": module, "entry_point": "corner"}, primitive={"topology": "triangle-list"},
-        fragment={"module": module, "entry_point": "shade", "targets": [{"format": image_format}]},
-    )
-    size = (SIDE, SIDE, 1)
-    target = device.create_texture(size=size, format=image_format, usage=use.RENDER_ATTACHMENT | use.COPY_SRC)
-    encoder = device.create_command_encoder()
-    attachment = {"view": target.create_view(), "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}
-    work = encoder.begin_render_pass(color_attachments=[attachment])
-    work.set_pipeline(pipeline)
-    work.draw(3)
-    work.end()
-    device.queue.submit([encoder.finish()])
-    data = device.queue.read_texture({"texture": target}, {"bytes_per_row": 4 * SIDE}, size)
-    return np.frombuffer(data, np.uint32) & most
+    return np.frombuffer(draw(SHADER, [], image_format, (SIDE, SIDE), 4), np.uint32) & most
 
 
 def largest_step(bits, most):

@@ -15,7 +15,7 @@ wanted=$'fixed point: unorm 5, srgb 256, half 256\nfloating point: unorm 256, sr
 . "$(dirname "$0")/lavapipe.sh"
 cat >"$scratch/filter.py" <<'PY'
 import numpy as np
-import wgpu
+from lavapipe import array_buffer, compute, device, image, read
 
 PLACES = 256
 SHADER = """
@@ -30,36 +30,17 @@ fn main(@builtin(global_invocation_id) thread: vec3u) {
 """
 
 
-def values(device, name, texels):
+def values(name, texels):
     """The number of values between two texels of a format."""
-    pixels = np.ascontiguousarray(np.repeat(texels, 4).reshape(1, 2, 4))
-    uses = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
-    texture = device.create_texture(size=(2, 1, 1), format=name, usage=uses)
-    device.queue.write_texture({"texture": texture}, pixels, {"bytes_per_row": pixels.nbytes}, (2, 1, 1))
-    size = 4 * PLACES
-    buffer = device.create_buffer(size=size, usage=wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC)
-    module = device.create_shader_module(code=SHADER)
-    pipeline = device.create_compute_pipeline(layout="auto", compute={"module": module, "entry_point": "main"})
-    bound = [texture.create_view(), device.create_sampler(mag_filter="linear", min_filter="linear"),
-             {"buffer": buffer, "offset": 0, "size": size}]
-    entries = [{"binding": n, "resource": resource} for n, resource in enumerate(bound)]
-    group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
-    commands = device.create_command_encoder()
-    work = commands.begin_compute_pass()
-    work.set_pipeline(pipeline)
-    work.set_bind_group(0, group)
-    work.dispatch_workgroups(PLACES // 64)
-    work.end()
-    device.queue.submit([commands.finish()])
-    return len(np.unique(np.frombuffer(device.queue.read_buffer(buffer), np.float32)))
+    view = image(np.repeat(texels, 4).reshape(1, 2, 4), name)
+    seen = array_buffer(np.zeros(PLACES, np.float32))
+    compute(SHADER, [view, device.create_sampler(mag_filter="linear", min_filter="linear"), seen], PLACES // 64)
+    return len(np.unique(read(seen, np.float32)))
 
 
-adapters = wgpu.gpu.enumerate_adapters_sync()
-lavapipe = next(a for a in adapters if a.info["backend_type"] == "Vulkan" and "llvmpipe" in a.info["device"])
-device = lavapipe.request_device_sync()
 bytes_, halves = np.array([100, 104], np.uint8), np.array([100 / 255, 104 / 255], np.float16)
-print(f"unorm {values(device, 'rgba8unorm', bytes_)}, srgb {values(device, 'rgba8unorm-srgb', bytes_)}, "
-      f"half {values(device, 'rgba16float', halves)}")
+print(f"unorm {values('rgba8unorm', bytes_)}, srgb {values('rgba8unorm-srgb', bytes_)}, "
+      f"half {values('rgba16float', halves)}")
 PY
 fixed=$(python "$scratch/filter.py" 2>/dev/null)
 floating=$(GALLIVM_PERF=no_aos_sampling python "$scratch/filter.py" 2>/dev/null)

@@ -37,33 +37,20 @@ import sys
 
 import numpy as np
 import wgpu
+from lavapipe import array_buffer, compute, read
 
 folder = pathlib.Path(sys.argv[1])
 GIVEN = [17, 5, 16777219, 10, 2147483647, 10, 0, 0, 0]
 
 
-def rests(device, code):
+def rests(code):
     """The three remainders that a shader computes."""
-    usage = wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_SRC
-    buffer = device.create_buffer_with_data(data=np.array(GIVEN, np.int32), usage=usage)
-    module = device.create_shader_module(code=code)
-    pipeline = device.create_compute_pipeline(layout="auto", compute={"module": module, "entry_point": "main"})
-    entries = [{"binding": 0, "resource": {"buffer": buffer, "offset": 0, "size": buffer.size}}]
-    group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
-    commands = device.create_command_encoder()
-    work = commands.begin_compute_pass()
-    work.set_pipeline(pipeline)
-    work.set_bind_group(0, group)
-    work.dispatch_workgroups(1)
-    work.end()
-    device.queue.submit([commands.finish()])
-    return np.frombuffer(device.queue.read_buffer(buffer), np.int32)[6:].tolist()
+    numbers = array_buffer(np.array(GIVEN, np.int32))
+    compute(code, [numbers])
+    return read(numbers, np.int32)[6:].tolist()
 
 
-adapters = wgpu.gpu.enumerate_adapters_sync()
-lavapipe = next(a for a in adapters if a.info["backend_type"] == "Vulkan" and "llvmpipe" in a.info["device"])
-device = lavapipe.request_device_sync()
-spirv, wgsl = rests(device, (folder / "rest.spv").read_bytes()), rests(device, (folder / "rest.wgsl").read_text())
+spirv, wgsl = rests((folder / "rest.spv").read_bytes()), rests((folder / "rest.wgsl").read_text())
 print(f"wgpu {wgpu.__version__}, wgpu-native {'.'.join(map(str, wgpu.backends.wgpu_native.lib_version_info))}")
 print(f"{GIVEN[:6:2]} % {GIVEN[1:6:2]}: {spirv} as SPIR-V, {wgsl} as WGSL")
 if spirv != [2, -1, -33] or wgsl != [2, 9, 7]:

@@ -379,7 +379,7 @@ impl Subject<'_> {
             return Truth { mask, color, hits: None };
         }
         let sampling = Sampling { samples: RAYS, seed: 1, oracle: OracleVersion::default(), bounces: 1 };
-        let image = ScreenReference::render(&data, &mask, sampling, &|| ());
+        let image = ScreenReference::render(&data, &mask, sampling);
         let hierarchy = Hierarchy::new(&data);
         let hit = |i: usize| {
             let (x, y) = (i as u32 % data.width, i as u32 / data.width);

@@ -77,7 +77,7 @@ pub fn run(bench: &Bench) {
         let scene = scene(name);
         let walks = walks(&scene);
         let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
-        let mut row = |name: &str, variant: &str, edits: Edits| {
+        let mut print_row = |name: &str, variant: &str, edits: Edits| {
             // The root mean square change between neighbouring frames, each with the name of its walk.
             let mut changes = Vec::new();
             for (walk_name, walk) in &walks {

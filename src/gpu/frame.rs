@@ -45,7 +45,7 @@ pub enum Mode {
     Counted,
 }
 
-/// A resource for one binding of a program, as [`Program::resources`](super::program::Program::resources) returns it.
+/// A resource for one binding of a program, as [`Program::resource`](super::program::Program::resource) returns it.
 #[derive(Clone, Copy)]
 pub enum Resource<'a> {
     /// An image, sampled or fetched.

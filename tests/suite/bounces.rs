@@ -193,7 +193,7 @@ fn passes_that_read_no_colour_are_recorded_once() {
 /// by the oracle.
 fn truth(data: &GBufferData, bounces: u32) -> Vec<[f32; 3]> {
     let sampling = Sampling { samples: 16, seed: 1, oracle: OracleVersion::V1, bounces };
-    let image = ScreenReference::render(data, &data.reflecting(), sampling, &|| ());
+    let image = ScreenReference::render(data, &data.reflecting(), sampling);
     image.color.iter().map(Vec3::to_array).collect()
 }
 

@@ -244,4 +244,6 @@ fn the_reference_is_sampled_on_from_where_it_stopped() {
     std::fs::remove_dir_all(&cache).unwrap();
     run("64");
     assert!(std::fs::read(&image).unwrap() == resumed, "resumed and straight runs are the same to the bit");
+    // A run that asks for fewer rays than were kept shows all of them.
+    assert_eq!(run("32")[0]["rays"], 64);
 }

@@ -51,7 +51,6 @@ fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
         data,
         &mask(data),
         Sampling { samples, seed: 1, oracle: OracleVersion::V1, bounces: 1 },
-        &|| (),
     );
     image.color.iter().map(Vec3::to_array).collect()
 }

@@ -136,7 +136,6 @@ fn every_view_with_gloss() {
                 &data,
                 &mask,
                 Sampling { samples: 32, seed: 1, oracle: OracleVersion::V1, bounces: 1 },
-                &|| (),
             );
             let seconds = start.elapsed().as_secs_f64();
             let truth_rgb: Vec<[f32; 3]> = truth.color.iter().map(|c| c.to_array()).collect();

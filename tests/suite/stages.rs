@@ -5,6 +5,7 @@
 use crate::common::engine::bits;
 use crate::common::{built_in, check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, with_small_captures};
 use glam::Vec3;
+use ssct::gpu::FrameReport;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::timing::PassWork;
 use ssct::methods::layers::LayerParams;
@@ -47,7 +48,7 @@ fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> 
     let passes = image.report.recorded.clone();
     let images = image.intermediates.unwrap().into_iter().map(|(name, _, pixels)| (name, bits(&pixels))).collect();
     let is_counted = setup.effect().stage == ShaderStage::Compute;
-    let counted = is_counted.then(|| stage.run(&shot, Mode::Counted).unwrap().0).unwrap_or_default();
+    let counted = if is_counted { stage.run(&shot, Mode::Counted).unwrap().0 } else { FrameReport::default() };
     Made { images, passes, work: counted.recorded.into_iter().zip(counted.work).collect() }
 }
 

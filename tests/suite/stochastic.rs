@@ -62,7 +62,7 @@ fn mask(data: &GBufferData) -> Vec<bool> {
 /// Returns the colours of the screen reference with a number of samples for each pixel.
 fn truth(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
     let sampling = Sampling { samples, seed: 1, oracle: OracleVersion::V1, bounces: 1 };
-    let image = ScreenReference::render(data, &mask(data), sampling, &|| ());
+    let image = ScreenReference::render(data, &mask(data), sampling);
     image.color.iter().map(Vec3::to_array).collect()
 }
 

@@ -18,7 +18,7 @@ pub fn lens(bounds: Aabb) -> Lens {
 
 /// Makes a view named `default`, which looks towards the centre of the scene's bounds.
 ///
-/// In an interior ([`is_interior`]) the eye lies in the horizontal direction in which the first surface is farthest
+/// In an interior the eye lies in the horizontal direction in which the first surface is farthest
 /// from the centre, at 0.8 of its distance. Otherwise the eye is outside, in front and slightly above, far enough away
 /// for the bounding sphere to fit into the image.
 pub fn default_view(scene: &Scene) -> View {
@@ -46,7 +46,7 @@ pub fn default_view(scene: &Scene) -> View {
     View { name: "default".into(), eye, look_at: centre, ..View::default() }
 }
 
-/// Returns true if the centre of the scene's bounds is in a room or a court ([`is_interior`]).
+/// Returns true if the centre of the scene's bounds is in a room or a court.
 pub fn is_enclosed(scene: &Scene) -> bool {
     let bounds = scene.bounds();
     let mut below_and_above = first_hits(scene, &rays_from(0.5 * (bounds.min + bounds.max), &directions()));

@@ -1,5 +1,6 @@
 //! Methods from folders on the command line: `--method path/to/folder` adds the method, and stands for its name.
 
+use super::parameters::PRESET;
 use crate::custom;
 use crate::error::Result;
 use clap::Command;
@@ -17,9 +18,6 @@ const AGAINST: &str = "--against";
 const VARIANTS: [&str; 3] = ["--variant", "--a", "--b"];
 /// The flag whose value is a folder that shaders of methods may include from.
 const INCLUDE: &str = "--include";
-
-/// An option of every command that takes parameters of methods.
-const PRESET: &str = "preset";
 
 /// Prints a sentence and ends the program at once: while the device never finishes its work, nothing can be freed.
 fn give_up(sentence: &str) {
@@ -81,6 +79,7 @@ fn reserved_names(commands: &[Command]) -> BTreeSet<String> {
 
 /// Adds the names of the options of a command and of its subcommands.
 fn add_option_names(command: &Command, names: &mut BTreeSet<String>) {
+    // Every command that takes parameters of methods has the option of the preset.
     let takes_parameters = command.get_arguments().any(|a| a.get_id() == PRESET);
     for argument in command.get_arguments() {
         names.extend(argument.get_long().map(str::to_owned));

@@ -17,7 +17,7 @@ pub struct MethodOptions {
 }
 
 /// The flag of the preset.
-const PRESET: &str = "preset";
+pub(super) const PRESET: &str = "preset";
 
 impl MethodOptions {
     /// The setup of methods at a size in pixels.
@@ -338,6 +338,13 @@ mod tests {
         for wrong in ["none", "ssct --stochastic-rays 2"] {
             assert!(parse_variant(wrong).expect("flags that there are").with_base(&base).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_default_value_makes_no_other_variant() {
+        let typed = ["ssct", "ssct --fade on", "ssct --fade off"].map(|text| parse_variant(text).expect("a variant"));
+        let base = parse(&[]).expect("flags").setup([8, 8]);
+        assert_eq!(crate::app::resolve::typed_variants(&typed, &base).expect("methods").len(), 2);
     }
 
     #[test]

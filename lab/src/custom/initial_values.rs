@@ -6,7 +6,7 @@
 /// and for products of matrices and vectors.
 pub fn evaluate(expression: &str, kind: &str) -> Option<Vec<f64>> {
     let kind = Kind::of_name(kind)?;
-    let mut parser = Parser { text: expression.trim(), component: kind.component };
+    let mut parser = Parser { text: expression.trim(), component: kind.component, open_factors: 0 };
     let term = parser.sum()?;
     if !parser.text.is_empty() {
         return None;
@@ -204,7 +204,12 @@ struct Parser<'a> {
     text: &'a str,
     /// The component of the uniform, which lists in braces have.
     component: Component,
+    /// The number of factors that are begun and not read to their end.
+    open_factors: usize,
 }
+
+/// Greatest depth of brackets, lists and signs, which bounds the stack that an expression takes.
+const MAX_OPEN_FACTORS: usize = 64;
 
 impl Parser<'_> {
     /// Steps over `wanted` if the rest of the text begins with it, and returns whether it does.
@@ -244,8 +249,19 @@ impl Parser<'_> {
         }
     }
 
-    /// Reads a factor: a sign before a factor, brackets, a list in braces, a name, or a number.
+    /// Reads a factor. `None` also if it lies too deep.
     fn factor(&mut self) -> Option<Term> {
+        if self.open_factors == MAX_OPEN_FACTORS {
+            return None;
+        }
+        self.open_factors += 1;
+        let factor = self.shallow_factor();
+        self.open_factors -= 1;
+        factor
+    }
+
+    /// Reads a sign before a factor, brackets, a list in braces, a name, or a number.
+    fn shallow_factor(&mut self) -> Option<Term> {
         if self.take("-") {
             return Operation::Multiply.apply(&Term::scalar(Component::Int, -1.0), &self.factor()?);
         }
@@ -385,6 +401,14 @@ mod tests {
         for text in ["sin(1.0)", "N", "a ? 1.0 : 2.0", "1.0 +", "vec2(1.0", "", "1.0 2.0", "1e999"] {
             assert_eq!(evaluate(text, "float"), None, "{text}");
         }
+    }
+
+    #[test]
+    fn deep_expressions_have_none() {
+        let nested = |depth: usize| format!("{}1.0{}", "(".repeat(depth), ")".repeat(depth));
+        assert_eq!(evaluate(&nested(20), "float"), Some(vec![1.0]));
+        assert_eq!(evaluate(&nested(1_000_000), "float"), None);
+        assert_eq!(evaluate(&format!("{}1.0", "-".repeat(1_000_000)), "float"), None);
     }
 
     /// GLSL drops the remainder of a division of whole numbers, reads a leading zero as octal, and wraps at 32 bits.

@@ -178,9 +178,9 @@ impl RunningVersion {
         for (name, section) in &manifest.buffers {
             use vk::BufferUsageFlags as U;
             let pixels = f64::from(extent[0]) * f64::from(extent[1]);
-            let bytes = section.bytes.saturating_add((section.bytes_per_pixel * pixels).ceil() as u64);
+            let bytes = section.bytes + (section.bytes_per_pixel * pixels).ceil() as u64;
             let usage = U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST;
-            let bytes = bytes.checked_next_multiple_of(4).unwrap_or(u64::MAX).max(16);
+            let bytes = bytes.next_multiple_of(4).max(16);
             buffers.insert(name.clone(), (Buffer::new(gpu, name, bytes, usage, MemoryPlace::Device)?, section.fill));
         }
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Default::default(), 1.0);

@@ -52,7 +52,7 @@ pub fn write(folder: &PathInFolder, stem: &str, data: &GBufferData, made: &[Devi
     Ok(())
 }
 
-/// Reads the G-buffer that [`write`] wrote with the same `stem`.
+/// Reads the G-buffer that [`write()`] wrote with the same `stem`.
 pub fn read_gbuffer(folder: &PathInFolder, stem: &str) -> Result<GBufferData> {
     let path = gbuffer_path(folder, stem);
     gbuffer_file::decode(&path.bytes()?, &path.path())

@@ -204,7 +204,7 @@ impl Truth {
 fn screen_reference(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
     let bounces = spec.setup.effect().bounces;
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, bounces };
-    ScreenReference::render(data, mask, sampling, &|| ())
+    ScreenReference::render(data, mask, sampling)
 }
 
 /// Traces the mirror ray of each pixel of `mask` by version 1 of the oracle.

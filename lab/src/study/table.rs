@@ -100,7 +100,7 @@ pub struct ComparedRow {
     /// Roughness, which is also the normal deviation.
     pub roughness: f32,
     /// How much longer the scene passes took than in the first row of this size, as a share, if there are several rows of the
-    /// size ([`drift`]).
+    /// size.
     pub drift: Option<f64>,
     /// Per method: name, published and measured milliseconds, and their ratios to the times of `ssct`.
     pub columns: Vec<Column>,

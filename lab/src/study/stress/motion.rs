@@ -326,7 +326,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Ve
     let EffectParams { oracle, bounces, .. } = lineup.setup.effect();
     let sampling = Sampling { samples: spec.rays, seed: SEED, oracle, bounces };
     let reference: Vec<Vec<Vec3>> =
-        screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
+        screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling).color).collect();
     let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
     // Returns the changes of colour over the pairs of all frames, frame after frame.
     let changes_of = |images: &[Vec<Vec3>]| -> Vec<Vec3> {

@@ -163,7 +163,7 @@ fn references_in(
         pairs.map(|(color, error)| EstimatedColor { color: *color, standard_error: *error }).collect()
     };
     let sampling = Sampling { samples: rays, seed: SCREEN_SEED, oracle, bounces };
-    let screen = ScreenReference::render(gbuffer, mask, sampling, &|| ());
+    let screen = ScreenReference::render(gbuffer, mask, sampling);
     let reference = WorldReference::new(world, first_hits, &gbuffer.camera, WORLD_SEED).with_bounces(bounces);
     let mut state = reference.start();
     reference.add(&mut state, rays);

@@ -26,6 +26,9 @@ use std::convert::Infallible;
 /// Least number of rays for a pixel of a mirror.
 pub const MIRROR_SAMPLES_MIN: u32 = 16;
 
+/// Number of rows that are rendered between two questions whether to go on. Threads wait for each other after them.
+const BAND_ROWS: u32 = 16;
+
 /// Parameters of the sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
@@ -56,14 +59,13 @@ pub struct ScreenReference {
 }
 
 impl ScreenReference {
-    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); other pixels stay black. `progress` is
-    /// called after each row, from any thread. The image depends only on G-buffer, mask and sampling, not on threads.
+    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); other pixels stay black. The image depends
+    /// only on G-buffer, mask and sampling, not on threads.
     ///
     /// # Panics
     /// If the mask differs in size from the G-buffer.
-    pub fn render(gbuffer: &GBufferData, mask: &[bool], sampling: Sampling, progress: &(dyn Fn() + Sync)) -> Self {
-        let never_stops = &mut || Ok::<(), Infallible>(());
-        match Self::render_in_bands((gbuffer, mask), sampling, gbuffer.height.max(1), progress, never_stops) {
+    pub fn render(gbuffer: &GBufferData, mask: &[bool], sampling: Sampling) -> Self {
+        match Self::render_while(gbuffer, mask, sampling, &mut || Ok::<(), Infallible>(())) {
             Ok(image) => image,
             Err(impossible) => match impossible {},
         }
@@ -82,31 +84,18 @@ impl ScreenReference {
         sampling: Sampling,
         go_on: &mut dyn FnMut() -> Result<(), E>,
     ) -> Result<Self, E> {
-        Self::render_in_bands((gbuffer, mask), sampling, 16, &|| (), go_on)
-    }
-
-    /// Renders bands of some rows, one after the other.
-    fn render_in_bands<E>(
-        (gbuffer, mask): (&GBufferData, &[bool]),
-        sampling: Sampling,
-        band_rows: u32,
-        progress: &(dyn Fn() + Sync),
-        go_on: &mut dyn FnMut() -> Result<(), E>,
-    ) -> Result<Self, E> {
         assert_eq!(mask.len(), gbuffer.depth.len(), "the mask must have the G-buffer's size");
         let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
         let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
         let pixels = Pixels { hierarchy: &hierarchy, colors: SurfaceColors::new(gbuffer), view_to_world, sampling };
-        let row = |y| {
+        let row = |y| -> Vec<Estimate> {
             let pixel = |x| mask[gbuffer.index(x, y)].then(|| pixels.estimate(x, y));
-            let row: Vec<Estimate> = (0..gbuffer.width).map(|x| pixel(x).unwrap_or_default()).collect();
-            progress();
-            row
+            (0..gbuffer.width).map(|x| pixel(x).unwrap_or_default()).collect()
         };
         let mut estimates = Vec::with_capacity(mask.len());
-        for first in (0..gbuffer.height).step_by(band_rows as usize) {
+        for first in (0..gbuffer.height).step_by(BAND_ROWS as usize) {
             go_on()?;
-            let band = first..gbuffer.height.min(first.saturating_add(band_rows));
+            let band = first..gbuffer.height.min(first.saturating_add(BAND_ROWS));
             let rows: Vec<Vec<Estimate>> = band.into_par_iter().map(row).collect();
             estimates.extend(rows.into_iter().flatten());
         }

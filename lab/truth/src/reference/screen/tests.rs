@@ -43,7 +43,7 @@ fn footprint_ray(rays: &RaySetup, [x, y]: [u32; 2], sample: u64) -> DVec3 {
 /// Returns the screen reference of the stage whose floor has this roughness.
 fn render(roughness: f32, sampling: Sampling) -> ScreenReference {
     let (g, mask) = stage(roughness);
-    ScreenReference::render(&g, &mask, sampling, &|| ())
+    ScreenReference::render(&g, &mask, sampling)
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_ray_goes_on_where_it_was_reflected() {
     let (oracle, rays) = (Oracle::new(&g), RaySetup::new(&g));
     let reflection = |bounces| {
         let sampling = Sampling { samples: MIRROR_SAMPLES_MIN, bounces, ..SAMPLING };
-        ScreenReference::render(&g, &g.reflecting(), sampling, &|| ()).color
+        ScreenReference::render(&g, &g.reflecting(), sampling).color
     };
     // The colour that a ray from a pixel brings over three bounces, followed by the oracle.
     let path = |from: [u32; 2], towards: DVec3| {
@@ -126,7 +126,7 @@ fn directions_below_the_surface_carry_nothing_and_count() {
     // expected sum is computed from rays that the oracle traces.
     let (g, mask) = stage(0.6);
     let sampling = Sampling { samples: 200, ..SAMPLING };
-    let image = ScreenReference::render(&g, &mask, sampling, &|| ());
+    let image = ScreenReference::render(&g, &mask, sampling);
     let (oracle, rays) = (Oracle::new(&g), RaySetup::new(&g));
     let (x, y) = (16, 12);
     let normal = rays.normal(x, y).expect("floor");
@@ -189,16 +189,28 @@ fn the_image_does_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn progress_counts_rows_and_the_mask_restricts() {
-    let (g, mut mask) = stage(0.1);
-    let rows = std::sync::atomic::AtomicU32::new(0);
-    let count = || {
-        rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+fn an_error_between_two_bands_ends_the_rendering() {
+    let (g, mask) = stage(0.1);
+    let render_until = |last: u32| {
+        let mut questions = 0;
+        let image = ScreenReference::render_while(&g, &mask, SAMPLING, &mut || {
+            questions += 1;
+            if questions > last { Err("stop") } else { Ok(()) }
+        });
+        (image, questions)
     };
-    let all = ScreenReference::render(&g, &mask, SAMPLING, &count);
-    assert_eq!(rows.into_inner(), 18);
+    let bands = g.height.div_ceil(BAND_ROWS);
+    assert!(bands > 1);
+    assert_eq!(render_until(bands), (Ok(ScreenReference::render(&g, &mask, SAMPLING)), bands));
+    assert_eq!(render_until(bands - 1), (Err("stop"), bands));
+}
+
+#[test]
+fn the_mask_restricts() {
+    let (g, mut mask) = stage(0.1);
+    let all = ScreenReference::render(&g, &mask, SAMPLING);
     mask[g.index(5, 15)] = false;
-    let less = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let less = ScreenReference::render(&g, &mask, SAMPLING);
     for (i, masked) in mask.iter().enumerate() {
         assert_eq!(less.color[i], if *masked { all.color[i] } else { Vec3::ZERO });
     }
@@ -229,7 +241,7 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
 fn rays_are_drawn_by_their_numbers() {
     for roughness in [0.0, 0.3] {
         let (g, mask) = stage(roughness);
-        let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+        let image = ScreenReference::render(&g, &mask, SAMPLING);
         let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
         let pixels = (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y)));
         for (x, y) in pixels.filter(|(x, y)| mask[g.index(*x, *y)]) {
@@ -265,7 +277,7 @@ fn a_mirror_filters_a_striped_wall_over_the_pixel() {
     for (i, color) in g.color.iter_mut().enumerate() {
         *color = Vec3::splat((i % 2) as f32);
     }
-    let image = ScreenReference::render(&g, &mask, Sampling { samples: 1024, ..SAMPLING }, &|| ());
+    let image = ScreenReference::render(&g, &mask, Sampling { samples: 1024, ..SAMPLING });
     let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
     let mut z = Vec::new();
     for (x, y) in (0..g.height).flat_map(|y| (1..g.width - 1).map(move |x| (x, y))) {
@@ -309,7 +321,7 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
     for i in (0..mask.len()).filter(|i| !mask[*i] && i % 32 < 16) {
         g.surface[i] = Surface::Sky;
     }
-    let image = ScreenReference::render(&g, &mask, Sampling { samples: 256, ..SAMPLING }, &|| ());
+    let image = ScreenReference::render(&g, &mask, Sampling { samples: 256, ..SAMPLING });
     let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
     let to_world = g.camera.world_to_view.as_dmat4().inverse();
     let [mut windows, mut walls] = [0, 0];
@@ -341,7 +353,7 @@ fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() 
     assert!(windows > 20 && walls > 20, "{windows} {walls}");
     // If the G-buffer marks no surface as sky, the screen's colour is used.
     g.surface.fill(Surface::Lit);
-    let unknown = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let unknown = ScreenReference::render(&g, &mask, SAMPLING);
     assert!(unknown.color.iter().all(|c| c.y == 0.0 && c.x <= 9.0));
 }
 
@@ -351,7 +363,7 @@ fn a_ray_beyond_the_far_plane_shows_the_sky_of_the_screen_and_no_other_miss_does
     for i in (0..mask.len()).filter(|i| !mask[*i]) {
         (g.depth[i], g.normal[i], g.color[i]) = (0.0, Vec3::ZERO, Vec3::new(0.25, 0.5, 0.75));
     }
-    let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let image = ScreenReference::render(&g, &mask, SAMPLING);
     let hierarchy = Hierarchy::new(&g);
     let [mut shown, mut black] = [0, 0];
     for (x, y) in (0..g.height).flat_map(|y| (1..31).map(move |x| (x, y))).filter(|(x, y)| mask[g.index(*x, *y)]) {
