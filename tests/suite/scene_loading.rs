@@ -17,6 +17,7 @@ mod motions;
 mod mutations;
 mod scene_files;
 mod shared_scenes;
+mod textures;
 
 use glam::{Vec2, Vec3};
 use ssct_geometry::texture::MAX_EXTENT;

@@ -197,9 +197,17 @@ impl Mover {
     }
 }
 
+/// The least factor of an object's size. An object that shrinks to nothing keeps this size, which shows in no pixel, since a
+/// placement of size 0 has no inverse.
+const LEAST_SIZE: f32 = 1e-6;
+
 /// Returns the placement of a matrix; `None` if its axes differ in length, are not at right angles, or mirror space.
 fn placement(matrix: &DMat4) -> Option<Placement> {
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|column| column.truncate());
+    if columns.iter().all(|column| column.length() < f64::from(LEAST_SIZE)) {
+        let placement = Placement { size: LEAST_SIZE, ..Placement::from(matrix.w_axis.truncate().as_vec3()) };
+        return placement.is_sound().then_some(placement);
+    }
     let size = columns[0].length();
     let is_uniform = columns.iter().all(|c| (c.length() - size).abs() <= 1e-4 * size);
     let is_orthogonal =

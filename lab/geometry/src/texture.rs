@@ -192,12 +192,19 @@ pub fn into_reflectivity(texture: Texture) -> Texture {
 
 /// Converts the image to a tangent-space normal map (green up, linear), with its slopes multiplied by `tilt`.
 ///
-/// If the content is a normal map ([`is_normal_map`]), the map is kept; its unused black texels become flat, and green
-/// is inverted if it points down. Any other image is treated as a height field of depth [`RELIEF_TEXELS`] · `tilt`.
-pub fn into_normal_map(mut texture: Texture, tilt: f32) -> Texture {
-    if !is_normal_map(&texture) {
-        return normal_map_from_height(&texture, RELIEF_TEXELS * tilt);
+/// If the content is a normal map ([`is_normal_map`]), [`tidy_normal_map`] keeps it. Any other image is treated as a
+/// height field of depth [`RELIEF_TEXELS`] · `tilt`.
+pub fn into_normal_map(texture: Texture, tilt: f32) -> Texture {
+    if is_normal_map(&texture) {
+        tidy_normal_map(texture, tilt)
+    } else {
+        normal_map_from_height(&texture, RELIEF_TEXELS * tilt)
     }
+}
+
+/// Multiplies the slopes of a normal map by `tilt`. Its unused black texels become flat, and green is inverted if it
+/// points down.
+pub fn tidy_normal_map(mut texture: Texture, tilt: f32) -> Texture {
     let green = if green_correlation(&texture) < GREEN_DOWN { -tilt } else { tilt };
     for texel in texture.rgba.chunks_exact_mut(4) {
         if is_unused(texel) {

@@ -155,6 +155,8 @@ pub(super) struct ExrChannels<'a> {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
+    /// The width of a pixel over its height (`pixelAspectRatio`).
+    pub pixel_aspect: f32,
     /// Attributes of the file, beside its channels.
     pub attributes: LayerAttributes,
     channels: HashMap<String, Vec<f32>>,
@@ -189,6 +191,7 @@ impl<'a> ExrChannels<'a> {
             path,
             width: window.size[0] as u32,
             height: window.size[1] as u32,
+            pixel_aspect: image.attributes.pixel_aspect,
             attributes: layer.attributes,
             channels: layer.channel_data.list.into_iter().map(named_values).collect(),
         })

@@ -21,6 +21,9 @@ pub(super) struct ExrPart {
     pub name: Option<String>,
     /// Name of the view that the part shows, such as "left" for the left eye; files without views have none.
     pub view: Option<String>,
+    /// Names of the views that share the part (OpenEXR's attribute `multiView`), the default one first. A part of one
+    /// view has none.
+    pub shared_by: Vec<String>,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Channels by name.
@@ -91,8 +94,11 @@ fn part_of_layer(
         };
         (name, ExrChannel { values: window.crop(values), rounded_by: rounded.then_some(compression) })
     };
+    let LayerAttributes { view_name, multi_view_names, .. } = &layer.attributes;
+    let shared_by = multi_view_names.iter().flatten().filter(|_| view_name.is_none());
     Ok(ExrPart {
-        view: layer.attributes.view_name.as_ref().map(ToString::to_string),
+        view: view_name.as_ref().map(ToString::to_string),
+        shared_by: shared_by.map(ToString::to_string).collect(),
         name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
         size: window.size.map(|side| side as u32),
         channels: layer.channel_data.list.into_iter().map(channel).collect(),

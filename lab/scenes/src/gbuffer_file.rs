@@ -13,6 +13,7 @@
 //! Imath's row-vector order, left-handed, with y up and z forward. The numbers `fovYRadians` or, for an orthographic
 //! projection, `orthographicHeight` (metres), `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection
 //! exactly. They may also be 64-bit floats or integers. If a file lacks them, the projection is taken from its matrix.
+//! Without `aspectRatio`, the aspect is that of the image, whose pixels have OpenEXR's own `pixelAspectRatio`.
 
 use super::exr_channels::{self, ExrChannels, check_values, components, vector_channels};
 pub use super::exr_channels::{MAX_BYTES, MAX_SIDE, check_claims};
@@ -29,6 +30,9 @@ use std::path::Path;
 /// Surfaces nearer than the near plane by at most this share of its distance count as on the plane. The share is twice
 /// the rounding of a 16-bit float.
 pub(super) const NEAR_TOLERANCE: f64 = 1.0 / 1024.0;
+
+/// Greatest share by which the aspect of a projection may differ from that of an image whose pixels are not square.
+const ASPECT_TOLERANCE: f32 = 0.01;
 
 /// Encodes a G-buffer as the bytes of a file.
 ///
@@ -78,14 +82,24 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 /// # Errors
 /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
 /// [`MAX_BYTES`]. This error is also returned if the file claims more pixels than its bytes can hold, has only a piece
-/// of an image, uses a lossy compression, or lacks a channel or the projection. For a value that is not finite or out
-/// of range, and for a `Z` above 0 in front of the near plane, the error names the first pixel of the channel that has
-/// one.
+/// of an image, uses a lossy compression, or lacks a channel or the projection, and if pixels are not square and do not
+/// fit the projection. For a value that is not finite or out of range, and for a `Z` above 0 in front of the near
+/// plane, the error names the first pixel of the channel that has one.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
     let (width, height) = (file.width, file.height);
-    let camera = read_camera(&file.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
+    let pixel_aspect = file.pixel_aspect;
+    let aspect = pixel_aspect * width as f32 / height.max(1) as f32;
+    let camera = read_camera(&file.attributes, aspect).map_err(wrong)?;
+    // Files of this program state square pixels whatever their projection, so that square pixels contradict nothing.
+    if pixel_aspect != 1.0 && (camera.aspect / aspect - 1.0).abs() > ASPECT_TOLERANCE {
+        return Err(wrong(format!(
+            "by pixelAspectRatio {pixel_aspect} the image is {aspect} times as wide as high, but by its projection {} \
+             times",
+            camera.aspect
+        )));
+    }
     let check = |channel: &str, allowed: &str, values: &[f32], is_right: fn(f32) -> bool| {
         check_values(path, (width, "pixel"), channel, allowed, values, is_right)
     };
@@ -330,6 +344,36 @@ mod tests {
             error.to_string(),
             "z.exr: channel Z is 0.01 at pixel 0, 1; it must be 0, which is sky, or at least 0.25, the distance of the \
              near plane in metres"
+        );
+    }
+
+    /// Encodes the sample of 3 × 2 pixels with another `pixelAspectRatio`, and decodes it. Its projection has the
+    /// aspect 1.5, which it states only if `has_aspect`.
+    fn decode_with_pixels(pixel_aspect: f32, has_aspect: bool) -> Result<GBufferData> {
+        let path = Path::new("p.exr");
+        let mut bytes = encode(&sample(), path)?;
+        let offset_of = |bytes: &[u8], attribute: &[u8]| {
+            bytes.windows(attribute.len()).position(|window| window == attribute).expect("an attribute")
+        };
+        // Four bytes with the length of the value follow the name and the type.
+        let value = offset_of(&bytes, b"pixelAspectRatio\0float\0") + 23 + 4;
+        bytes[value..value + 4].copy_from_slice(&pixel_aspect.to_le_bytes());
+        if !has_aspect {
+            // The attribute gets a name that nothing reads.
+            let name = offset_of(&bytes, b"aspectRatio\0float\0");
+            bytes[name] = b'x';
+        }
+        decode(&bytes, path)
+    }
+
+    #[test]
+    fn pixels_that_are_not_square_change_the_aspect_or_contradict_it() {
+        let aspect =
+            |pixel_aspect, has_aspect| decode_with_pixels(pixel_aspect, has_aspect).expect("decodes").camera.aspect;
+        assert_eq!([aspect(1.0, true), aspect(1.0, false), aspect(2.0, false)], [1.5, 1.5, 3.0]);
+        assert_eq!(
+            decode_with_pixels(2.0, true).expect_err("a contradiction").to_string(),
+            "p.exr: by pixelAspectRatio 2 the image is 3 times as wide as high, but by its projection 1.5 times"
         );
     }
 

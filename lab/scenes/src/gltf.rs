@@ -70,7 +70,7 @@ pub fn is_named(path: &Path) -> bool {
 /// - Cameras become views. Lights are scaled by one exposure, with which the brightest gives 1 at the scene's centre.
 ///   Without a camera the scene gets the default view, and without a light the default light. It always gets one probe.
 /// - Animations of nodes become motions ([`Scene::motions`]); at rest, the scene is placed by the transforms of its
-///   nodes. Animations of skins and of morph targets are not played.
+///   nodes. Animations of skins, morph targets, cameras and lights are not played.
 /// - Tangents come from the file or, if it has none, from MikkTSpace. `KHR_texture_transform` is applied to the
 ///   coordinates.
 ///

@@ -4,6 +4,7 @@ use super::errors::MAP;
 use super::files::{Part, floats, write_exr};
 use super::named;
 use crate::common::folder::Folder;
+use exr::meta::attribute::AttributeValue;
 use ssct_scenes::GBufferData;
 use ssct_scenes::gbuffer_map::GBufferMap;
 
@@ -57,7 +58,8 @@ fn read(folder: &Folder, map: &str, file: &str) -> Result<GBufferData, String> {
     GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(file)).map_err(|e| e.to_string())
 }
 
-/// Writes a part for each pass and view: the part `L.Depth-left` has the channel `L.Depth.Z`.
+/// Writes a part for each pass and view: the part `L.Depth-left` has the channel `L.Depth.Z`. The attribute `lens` is
+/// the angle of the view's lens in degrees.
 fn write_parts(folder: &Folder) {
     let part = |(pass, components): &(&str, &[&str]), view: &str| {
         let names: Vec<String> = components.iter().map(|c| format!("L.{pass}.{c}")).collect();
@@ -65,7 +67,7 @@ fn write_parts(folder: &Folder) {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let mut part = Part::new(named(&names, samples)).named(&format!("L.{pass}-{view}"));
         part.attributes.view_name = Some(view.into());
-        part
+        part.with("lens", AttributeValue::F32(if view == "left" { 60.0 } else { 50.0 }))
     };
     let parts = PASSES.iter().flat_map(|pass| ["left", "right"].map(|view| part(pass, view)));
     write_exr(&folder.path("parts.exr"), SIZE, parts.collect());
@@ -107,6 +109,41 @@ fn a_file_of_several_views_says_which_there_are() {
     assert!(none.contains("or at the top of the map by view, one of left, right"), "{none}");
     let other = read(&folder, &map("view = \"middle\"\n"), "parts.exr").unwrap_err();
     assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
+}
+
+/// In a part that OpenEXR's attribute `multiView` divides, plain names belong to the first view, and others have their
+/// view before the last component. Channels of no view belong to all. A view that is not listed is refused.
+#[test]
+fn views_that_share_a_part_are_told_apart_by_their_attribute() {
+    let folder = Folder::new();
+    let flat = |value: f64| floats(vec![value; 12]);
+    let mut channels = named(&["N.X", "N.Y", "N.Z", "N.right.X", "N.right.Z"], [0.0, 0.0, -1.0, 0.6, -0.8].map(flat));
+    for (prefix, is_left) in [("", true), ("right.", false)] {
+        for (name, pass) in [("Z", "Depth"), ("rough", "rough"), ("R", "Light"), ("G", "Light"), ("B", "Light")] {
+            channels.push((format!("{prefix}{name}"), flat(values(pass, name, is_left))));
+        }
+    }
+    let mut part = Part::new(channels);
+    part.attributes.multi_view_names = Some(vec!["left".into(), "right".into()]);
+    write_exr(&folder.path("shared.exr"), SIZE, vec![part]);
+    let of_view = |top: &str| read(&folder, &format!("{top}{MAP}"), "shared.exr");
+    let [none, left, right] = ["", "view = \"left\"\n", "view = \"right\"\n"].map(|top| of_view(top).unwrap());
+    assert!(none == left && left.depth != right.depth);
+    assert_eq!([left.color[0].x, right.color[0].x], [0.5, 0.75]);
+    assert!(left.normal[0].x.abs() < 1e-6 && (right.normal[0].x - 0.6).abs() < 1e-6, "{}", right.normal[0]);
+    let other = of_view("view = \"middle\"\n").unwrap_err();
+    assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
+}
+
+/// An attribute that the parts of both views have is that of the chosen view. The first part of the file is the left
+/// one's.
+#[test]
+fn attributes_are_those_of_the_view() {
+    let folder = Folder::new();
+    write_parts(&folder);
+    let by_attribute = map("view = \"right\"\n").replace("60.0", "{ attribute = \"lens\" }");
+    let opening = read(&folder, &by_attribute, "parts.exr").unwrap().camera.lens.fov_y_radians().unwrap();
+    assert!((opening.to_degrees() - 50.0).abs() < 1e-4, "{opening}");
 }
 
 /// A file without views is read by a map that asks for a view, since parts that name no view belong to all.

@@ -1,4 +1,4 @@
-//! Tests every error of OBJ and MTL files: each is one sentence with the file and, where there is one, the line.
+//! Tests every error of OBJ files: each is one sentence with the file and, where there is one, the line.
 
 use super::*;
 
@@ -78,21 +78,4 @@ fn wrong_arguments_are_usage_errors() {
         assert_eq!(error.to_string(), format!("the scale must be a positive number, not {scale}"));
     }
     assert_eq!(obj::load(&[], &LEFT).unwrap_err().to_string(), "a scene needs at least one OBJ file");
-}
-
-/// A statement of an MTL file with wrong numbers is refused with the file and the line.
-#[test]
-fn wrong_numbers_in_an_mtl_file_name_its_line() {
-    let cases = [
-        ("Kd 1 x 1", "a.mtl:2: kd needs a finite number, not \"x\""),
-        ("Ks 1 none 1", "a.mtl:2: ks needs a finite number, not \"none\""),
-        ("Kd 1 1", "a.mtl:2: kd needs three numbers, not 2"),
-        ("Ns", "a.mtl:2: ns needs a finite number, not \"\""),
-        ("Pr 0,5", "a.mtl:2: pr needs a finite number, not \"0,5\""),
-    ];
-    for (statement, expected) in cases {
-        let folder = square("mtllib a.mtl\nusemtl m\nf 1 2 3\n");
-        folder.write("a.mtl", format!("newmtl m\n{statement}\n").as_bytes());
-        assert_eq!(folder.error(), expected, "{statement}");
-    }
 }

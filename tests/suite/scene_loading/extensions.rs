@@ -122,6 +122,18 @@ fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
     }
 }
 
+/// An extension that an object has and the file does not declare gets the sentence of a declared one. Extensions that
+/// are read need no declaration, and the content of extras is no extension.
+#[test]
+fn undeclared_extensions_have_a_sentence() {
+    let said = |change: fn(&mut Value)| sentences(&scene(&square(json!({}), change))).join("; ");
+    let both = said(|d| {
+        d["materials"][0]["extensions"] = json!({"KHR_materials_sheen": {}, "KHR_materials_ior": {"ior": 1.4}});
+    });
+    assert_eq!(both, "the extension KHR_materials_sheen is not supported and was ignored");
+    assert_eq!(said(|d| d["nodes"][0]["extras"] = json!({"extensions": {"KHR_materials_sheen": {}}})), "");
+}
+
 /// A texture transform of any image turns counter-clockwise, scales and moves; maps with different ones get a warning.
 #[test]
 fn texture_transforms_turn_as_their_words_say() {

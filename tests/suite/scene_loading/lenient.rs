@@ -176,6 +176,32 @@ fn values_that_are_no_numbers_are_left_out_with_a_warning() {
     }
 }
 
+/// In an MTL file, a word in place of a number, a decimal comma, and a colour of two numbers count as missing, with a
+/// warning. A file that is refused for one statement would show nothing.
+#[test]
+fn words_of_materials_that_are_no_numbers_count_as_missing() {
+    let word = "a statement whose value is no number was ignored";
+    let comma = "a statement with a decimal comma was ignored; MTL files have decimal points";
+    let two = "a colour that has neither one number nor three was ignored";
+    for (statement, warning) in [
+        ("Kd 1 x 1", word),
+        ("Kd 0,5 0,5 0,5", comma),
+        ("Kd 0.5 0.5", two),
+        ("Ks", two),
+        ("Ks 1 none 1", word),
+        ("Ns", word),
+        ("Pr 0,5", comma),
+        ("Pm much", word),
+        ("Ni 1,8", comma),
+        ("Ke 1,5 0 0", comma),
+        ("Ka red", word),
+        ("illum two", word),
+    ] {
+        let folder = with_mtl(format!("newmtl m\n{statement}\n").as_bytes());
+        assert_eq!(albedo(&folder), (Vec3::ONE, vec![format!("a.mtl:2: {warning}")]), "{statement}");
+    }
+}
+
 /// Each kind of statement that is not supported gets one warning, even if it occurs twice. Statements that change
 /// nothing get none.
 #[test]
@@ -192,6 +218,7 @@ fn each_kind_of_loss_is_one_warning() {
         ("refl -type sphere x.png", "reflection maps"),
         ("disp x.png", "displacement"),
         ("Kd spectral x.rfl", "colours as spectral curves"),
+        ("Ke 10", "emission brighter than 1"),
         ("map_Kn x.png\nmap_Tr x.png", "a statement is unknown"),
     ] {
         // Twice is still one warning.
@@ -216,6 +243,7 @@ fn each_kind_of_loss_is_one_warning() {
         ("l 1 2\np 1\nl 2 3\n", "lines and points"),
         ("vp 0.1 0.2\ncstype bezier\ndeg 3\ncurv 0 1 1 2 3 4\nend\n", "curves and free-form surfaces"),
         ("usemap x\nmaplib y\n", "usemap and maplib"),
+        ("call b.obj\ncall c.obj 1 2\n", "files that the statement call names"),
         ("nonsense 1 2\nwhatever\n", "a statement is unknown"),
     ] {
         let warnings = warnings(lost);

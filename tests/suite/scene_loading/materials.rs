@@ -156,6 +156,20 @@ fn bump_is_a_normal_map_or_a_height_field_by_its_content() {
     assert!(map.rgba[4 * 3] < 120 && map.rgba[4 * 3 + 2] > 200, "the rise to the right leans to the left");
 }
 
+/// `norm` names a normal map, whatever it looks like. The slope of this one is too steep to be told by its look, and
+/// `bump` takes it for heights, which are all equal.
+#[test]
+fn norm_is_a_normal_map_by_its_name() {
+    let steep = [230, 128, 204, 255];
+    for (statement, texel) in [("norm n.png", steep), ("bump n.png", [128, 128, 255, 255])] {
+        let folder = with_mtl(statement);
+        folder.image("n.png", 8, 8, |_, _| steep);
+        let scene = folder.scene();
+        let map = &scene.textures[scene.materials[0].normal_map.unwrap()];
+        assert_eq!((&map.rgba[..4], map.encoding), (&texel[..], Encoding::Linear), "{statement}");
+    }
+}
+
 /// The option `-bm` scales the tilt of a normal map: half of it at 0.5, and none at 0.
 #[test]
 fn bm_scales_the_tilt() {

@@ -98,6 +98,42 @@ fn animations_that_cannot_be_played_leave_the_scene_with_a_sentence() {
     }
 }
 
+/// A square whose size becomes 0 shrinks to the place of its node. A square whose size is 0 at rest is named in a
+/// sentence, since no scene has it.
+#[test]
+fn things_may_shrink_to_nothing() {
+    let gone = scene(&animated(&[(0, "scale", "STEP", &[1.0, 1.0, 1.0, 0.0, 0.0, 0.0])]));
+    assert_eq!(sentences(&gone), [""; 0]);
+    let node = Vec3::new(1.0, 5.0, 0.0);
+    let upper_right = |time_s: f32| {
+        let placement = gone.motions[0].placements_at(time_s).next().unwrap().1;
+        placement.place(node + Vec3::new(2.0, 1.0, 0.0))
+    };
+    assert!(upper_right(0.5).distance(node + Vec3::new(2.0, 1.0, 0.0)) < 1e-5, "{}", upper_right(0.5));
+    assert!(upper_right(1.0).distance(node) < 1e-4, "{}", upper_right(1.0));
+    let mut grows = animated(&[(0, "scale", "LINEAR", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])]);
+    grows["nodes"][0]["scale"] = json!([0, 0, 0]);
+    let said =
+        ["triangles without area were left out", "square is never drawn, since its size is 0 while no animation plays"];
+    assert_eq!(sentences(&scene(&grows)), said);
+}
+
+/// An animation that moves a camera or a light alone is named in a sentence, and is no motion.
+#[test]
+fn cameras_and_lights_do_not_move() {
+    for node in [json!({"camera": 0}), json!({"extensions": {"KHR_lights_punctual": {"light": 0}}})] {
+        let mut document = animated(&[(3, "translation", "LINEAR", &[0.0; 6])]);
+        document["nodes"].as_array_mut().unwrap().push(node);
+        document["scenes"] = json!([{"nodes": [2, 1, 3]}]);
+        document["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.2}}]);
+        document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 64}]}});
+        let scene = scene(&document);
+        let said = ["animations of cameras and lights are not played; they stay where they stand at rest"];
+        assert_eq!((sentences(&scene), scene.motions.len()), (said.to_vec(), 0));
+    }
+}
+
 /// The lines of a scene file that name its mesh.
 const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
 

@@ -153,8 +153,8 @@ impl<'a> MapFiles<'a> {
         Ok(values)
     }
 
-    /// Returns an attribute of a file. If `wanted` names no part, it comes from the first part that has it. `key` is
-    /// the key of the map that needs the attribute, in the line `line`.
+    /// Returns an attribute of a file. If `wanted` names no part, it comes from the first part that has it, where parts
+    /// of other views come last. `key` is the key of the map that needs the attribute, in the line `line`.
     ///
     /// # Errors
     /// [`Error::Malformed`], with the line of the map, for a missing file, and for a missing attribute, with the names
@@ -164,7 +164,8 @@ impl<'a> MapFiles<'a> {
         let path = self.path(wanted.file.as_deref());
         let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
         let is_searched = |part: &&ExrPart| wanted.part.is_none() || part.name == wanted.part;
-        let searched: Vec<&ExrPart> = parts.iter().filter(is_searched).collect();
+        let mut searched: Vec<&ExrPart> = parts.iter().filter(is_searched).collect();
+        searched.sort_by_key(|part| is_in_other_view(part, self.arrangement.view));
         if let Some(value) = searched.iter().find_map(|part| part.attributes.get(&wanted.name)) {
             return Ok(value.clone());
         }
@@ -236,16 +237,16 @@ fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
         (name.to_owned(), ExrChannel { values: values(component), rounded_by: None })
     };
     let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect();
-    Ok(ExrPart { name: None, view: None, size: [width, height], channels, attributes: BTreeMap::new() })
+    let (shared_by, attributes) = Default::default();
+    Ok(ExrPart { name: None, view: None, shared_by, size: [width, height], channels, attributes })
 }
 
 /// Finds a channel, and returns it with its part. `part` names the part to search, or `None` for all. `name` is the
 /// name of the channel, or the names of part and channel with a point between them. In a file with several views, only
-/// `view` is searched: parts that state this view, and channels with its name before their last component. `file` is
-/// for messages.
+/// `view` is searched, and parts and channels that belong to no view. `file` is for messages.
 ///
 /// # Errors
-/// A message if no channel has the name, or several parts have it.
+/// A message if the file has other views, if no channel has the name, or if several parts have it.
 fn find_channel<'a>(
     parts: &'a [ExrPart],
     part: Option<&str>,
@@ -253,18 +254,17 @@ fn find_channel<'a>(
     name: &str,
     file: &str,
 ) -> std::result::Result<(&'a ExrPart, &'a ExrChannel), String> {
-    let is_in_view =
-        |candidate: &ExrPart| view.is_none() || candidate.view.as_deref().is_none_or(|own| Some(own) == view);
+    let views = distinct(parts.iter().flat_map(|part| part.view.iter().chain(&part.shared_by)).map(String::as_str));
+    if let Some(view) = view.filter(|view| !views.is_empty() && !views.contains(view)) {
+        return Err(format!("there is no view {view:?} in {file}, which has {}", list_names(&views)));
+    }
     let is_part = |candidate: &ExrPart| {
         let own = candidate.name.as_deref();
         part.is_none() || own == part || (view.is_some() && own.map(|own| without_view(candidate, own)) == part)
     };
-    let searched = || parts.iter().filter(|candidate| is_in_view(candidate) && is_part(candidate));
+    let searched = || parts.iter().filter(|candidate| !is_in_other_view(candidate, view) && is_part(candidate));
     if searched().next().is_none() {
-        return Err(match view {
-            Some(view) if !parts.iter().any(is_in_view) => missing_view(parts, view, file),
-            _ => missing_part(parts, part.unwrap_or_default(), file),
-        });
+        return Err(missing_part(parts, part.unwrap_or_default(), file));
     }
     // A channel may be named with or without its view, and with or without its part, in the file and in the map.
     let has_name = |candidate: &ExrPart, channel: &str| {
@@ -275,15 +275,24 @@ fn find_channel<'a>(
         };
         is_name(channel) || plain.is_some_and(|plain| is_name(&plain))
     };
-    let found: Vec<_> = searched()
-        .flat_map(|part| part.channels.iter().map(move |(channel, values)| (part, channel, values)))
-        .filter(|(part, channel, _)| has_name(part, channel))
-        .collect();
+    // Whether a channel belongs to the view; `None` if it belongs to no view.
+    let is_own = |part: &ExrPart, channel: &str| match view {
+        Some(view) => view_of_channel(part, channel, view).map(|own| own == view),
+        None => Some(true),
+    };
+    let channels = || {
+        let all = searched().flat_map(|part| part.channels.iter().map(move |(name, values)| (part, name, values)));
+        all.filter(|(part, channel, _)| is_own(part, channel) != Some(false))
+    };
+    let mut found: Vec<_> = channels().filter(|(part, channel, _)| has_name(part, channel)).collect();
+    // A channel of the view itself counts before one that belongs to no view.
+    if found.iter().any(|(part, channel, _)| is_own(part, channel).is_some()) {
+        found.retain(|(part, channel, _)| is_own(part, channel).is_some());
+    }
     match found[..] {
         [(part, _, values)] => Ok((part, values)),
         [] => {
-            let names: Vec<String> =
-                searched().flat_map(|part| part.channels.keys().map(|channel| full_name(part, channel))).collect();
+            let names: Vec<String> = channels().map(|(part, channel, _)| full_name(part, channel)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             Err(format!("there is no channel {name} in {file}, which has {}", list_names(&names)))
         }
@@ -308,17 +317,35 @@ fn without_view<'a>(part: &ExrPart, name: &'a str) -> &'a str {
     stripped.unwrap_or(name)
 }
 
-/// Returns the name of a channel without the view before its last component, such as `Depth.Z` for `Depth.left.Z`. The
-/// result is `None` if the name does not have the view there.
+/// Returns the name of a channel without the view before its last component, such as `Depth.Z` for `Depth.left.Z`, or
+/// `Z` for `left.Z`. The result is `None` if the name does not have the view there.
 fn without_view_inside(channel: &str, view: &str) -> Option<String> {
     let (before, component) = channel.rsplit_once('.')?;
-    Some(format!("{}.{component}", before.strip_suffix(view)?.strip_suffix('.')?))
+    let layer = before.strip_suffix(view)?;
+    if layer.is_empty() {
+        Some(component.to_owned())
+    } else {
+        Some(format!("{}.{component}", layer.strip_suffix('.')?))
+    }
 }
 
-/// Makes the message about a view that a file lacks, with the names of its views.
-fn missing_view(parts: &[ExrPart], view: &str, file: &str) -> String {
-    let names = distinct(parts.iter().filter_map(|part| part.view.as_deref()));
-    format!("there is no view {view:?} in {file}, which has {}", list_names(&names))
+/// Returns true if a part states another view than `view`.
+fn is_in_other_view(part: &ExrPart, view: Option<&str>) -> bool {
+    part.view.as_deref().zip(view).is_some_and(|(own, view)| own != view)
+}
+
+/// Returns the view of a channel by the rules of OpenEXR; `None` if it belongs to no view. In a part that several views
+/// share, the view stands before the last component, and a name without a point belongs to the default view. Some
+/// programs write such names without the attribute that lists the views; then only the view `wanted` is known.
+fn view_of_channel<'a>(part: &'a ExrPart, channel: &'a str, wanted: &str) -> Option<&'a str> {
+    let inside = channel.rsplit_once('.').and_then(|(before, _)| before.rsplit('.').next());
+    match (&part.view, inside) {
+        (Some(own), _) => Some(own),
+        (None, None) => part.shared_by.first().map(String::as_str),
+        (None, Some(inside)) => {
+            Some(inside).filter(|view| *view == wanted || part.shared_by.iter().any(|own| own == view))
+        }
+    }
 }
 
 /// Returns the rest of a channel's name after the name of its part and a point; `None` if the name does not begin with

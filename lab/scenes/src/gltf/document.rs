@@ -13,6 +13,7 @@ use gltf::json::validation::{Checked, Error as Fault, Validate};
 use gltf::json::{Path as JsonPath, Root, texture::WrappingMode};
 use serde_json::{Map, Value};
 use ssct_ground::{Error, Result};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The extension for WebP images.
@@ -34,12 +35,16 @@ pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Conte
     let (text, blob) = unpack(bytes).map_err(wrong)?;
     let mut value = parse(text).map_err(wrong)?;
     check_version(&value).map_err(wrong)?;
+    let mut extensions = BTreeSet::new();
+    collect_extensions(&value, &mut extensions);
     // Animations are taken out and read separately, so that a fault in them does not make the document wrong.
     let animations = value.as_object_mut().and_then(|document| document.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
     check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
     let draco_message = draco_only_message(&value);
     let mut json: Root = parse_typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
+    extensions.extend(std::mem::take(&mut json.extensions_used));
+    json.extensions_used = extensions.into_iter().collect();
     check_extensions(&mut json, notes).map_err(wrong)?;
     if let Some(message) = draco_message {
         return Err(wrong(message));
@@ -217,6 +222,22 @@ fn items<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut 
     object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
+/// Adds the names of all extensions in a document to `names`, whether or not the document declares them.
+fn collect_extensions(value: &Value, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Array(items) => items.iter().for_each(|item| collect_extensions(item, names)),
+        Value::Object(members) => {
+            // Extras are for applications, and may have any content.
+            for (name, member) in members.iter().filter(|(name, _)| *name != "extras") {
+                let extensions = member.as_object().filter(|_| name == "extensions");
+                names.extend(extensions.into_iter().flat_map(|extensions| extensions.keys().cloned()));
+                collect_extensions(member, names);
+            }
+        }
+        _ => {}
+    }
+}
+
 /// Checks the extensions that a file requires, and notes the ones that it uses and this loader ignores.
 ///
 /// # Errors
@@ -303,11 +324,11 @@ fn draco_only_message(document: &Value) -> Option<String> {
     Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
-/// Replaces each invalid wrapping mode of an image by the default, which repeats it, and drops the filters, which this
-/// loader does not read.
+/// Replaces each invalid wrapping mode of an image by the default, which repeats it, and drops invalid filters.
 fn mend_samplers(json: &mut Root, notes: &mut Notes) {
     for sampler in &mut json.samplers {
-        (sampler.mag_filter, sampler.min_filter) = (None, None);
+        sampler.mag_filter = sampler.mag_filter.take().filter(|filter| *filter != Checked::Invalid);
+        sampler.min_filter = sampler.min_filter.take().filter(|filter| *filter != Checked::Invalid);
         for wrap in [&mut sampler.wrap_s, &mut sampler.wrap_t] {
             if *wrap == Checked::Invalid {
                 *wrap = Checked::Valid(WrappingMode::Repeat);

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use gltf::Semantic;
 use gltf::mesh::{Mode, Primitive};
 use ssct_geometry::assemble::{self, MeshPart, Triangle};
+use ssct_geometry::bounded;
 use ssct_ground::Result;
 
 /// Sums over the primitives that were read.
@@ -44,6 +45,12 @@ pub(super) fn mesh_part(
         notes.add("colours", "colours of vertices are not supported and were ignored".to_owned());
     }
     let Some(vertices) = MeshVertices::new(data, primitive, mesh, coordinates)? else { return Ok(None) };
+    let set = coordinates.set;
+    if coordinates.has_images && primitive.get(&Semantic::TexCoords(set)).is_none() {
+        let name = bounded::printable_name(mesh.name);
+        let what = format!("mesh {name} lacks the texture coordinates TEXCOORD_{set} of its images; they count as 0");
+        notes.add("no set", what);
+    }
     let indices = match primitive.indices() {
         Some(accessor) => data.indices(&accessor)?.iter().collect(),
         None => (0..vertices.count as u32).collect::<Vec<u32>>(),

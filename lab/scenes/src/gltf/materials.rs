@@ -19,7 +19,7 @@ use crate::metallic::{Factors, TexelInputs, bake_texels, grey, white};
 use crate::{Encoding, Material, Scene, Texture};
 use glam::{DVec4, Vec3};
 use gltf::material::AlphaMode;
-use gltf::texture::{Info, WrappingMode};
+use gltf::texture::{Info, MagFilter, MinFilter, WrappingMode};
 use rayon::prelude::*;
 use serde_json::Value;
 use ssct_geometry::bounded;
@@ -40,6 +40,8 @@ pub(super) struct Coordinates {
     scale: [f32; 2],
     /// Whether an image of the material is clamped or mirrored at its borders, and not repeated.
     pub(super) clamps: bool,
+    /// Whether an image needs the coordinates.
+    pub(super) has_images: bool,
 }
 
 impl Coordinates {
@@ -106,12 +108,16 @@ impl<'a> TextureUse<'a> {
     fn new(texture: gltf::Texture<'a>, set: u32, offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Self {
         let sampler = texture.sampler();
         let clamps = [sampler.wrap_s(), sampler.wrap_t()].iter().any(|mode| *mode != WrappingMode::Repeat);
-        Self { texture, coordinates: Coordinates { set, offset, rotation, scale, clamps } }
+        Self { texture, coordinates: Coordinates { set, offset, rotation, scale, clamps, has_images: true } }
     }
 
     /// Returns the index of the texture's image; `None`, with a note, if the file has it only in a format that is not
-    /// read.
+    /// read. Another note says that the texture asks for its nearest texel, since all textures are filtered.
     fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
+        let sampler = self.texture.sampler();
+        if sampler.mag_filter() == Some(MagFilter::Nearest) || sampler.min_filter() == Some(MinFilter::Nearest) {
+            notes.add("nearest", "images that are not to be filtered (NEAREST) are filtered".to_owned());
+        }
         let image = self.texture.source().map(|image| image.index());
         if image.is_none() {
             let texture = data.document.as_json().textures.get(self.texture.index());
@@ -134,8 +140,16 @@ pub(super) fn shared_coordinates(data: &Data, material: &gltf::Material, notes: 
     let normals = material.normal_texture().map(|normals| TextureUse::of_normals(&normals).coordinates);
     let specular = specular_textures(data, material).map(|texture| texture.map(|texture| texture.coordinates));
     let mut all = [base, metallic, normals, emissive].into_iter().chain(specular).flatten();
-    let without_images = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
-    let Some(first) = all.next() else { return without_images };
+    let Some(first) = all.next() else {
+        return Coordinates {
+            set: 0,
+            offset: [0.0; 2],
+            rotation: 0.0,
+            scale: [1.0; 2],
+            clamps: false,
+            has_images: false,
+        };
+    };
     let mut clamps = first.clamps;
     for other in all {
         clamps |= other.clamps;

@@ -22,6 +22,8 @@ pub(super) struct ImageStatement {
     pub line: usize,
     /// The bump multiplier (`-bm`).
     pub multiplier: f32,
+    /// Whether the statement says that the image is a normal map (`norm`), so that its look does not matter.
+    pub is_normal_map: bool,
     /// Whether the statement has `-s`, `-o` or `-t`, which transform texture coordinates.
     pub transformed: bool,
     /// Whether the statement has `-mm`, `-imfchan` or `-clamp` with a value that changes the image.
@@ -40,7 +42,7 @@ impl ImageStatement {
 pub(super) struct MaterialImages {
     /// `map_Kd`.
     pub albedo: Option<ImageStatement>,
-    /// `bump`.
+    /// `bump` or `norm`.
     pub normal: Option<ImageStatement>,
     /// `map_d`.
     pub mask: Option<ImageStatement>,
@@ -73,7 +75,9 @@ pub(super) struct MaterialSource {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum ImageRole {
     Albedo,
-    /// A normal map, with the bits of the bump multiplier.
+    /// A normal map or a height field, with the bits of the bump multiplier.
+    Bump(u32),
+    /// A normal map by its statement, with the bits of the bump multiplier.
     Normal(u32),
     Mask,
     Reflectivity,
@@ -168,16 +172,12 @@ impl Requests {
         let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
         let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
         // The bits of the multiplier make requests with different multipliers differ.
-        let normal = source.images.normal.as_ref().map_or(0, |image| image.multiplier.to_bits());
-        let roles = [
-            ImageRole::Albedo,
-            ImageRole::Normal(normal),
-            ImageRole::Mask,
-            level,
-            ImageRole::Emission,
-            ImageRole::Data,
-            ImageRole::Data,
-        ];
+        let normal = match &source.images.normal {
+            Some(image) if image.is_normal_map => ImageRole::Normal(image.multiplier.to_bits()),
+            image => ImageRole::Bump(image.as_ref().map_or(0, |image| image.multiplier.to_bits())),
+        };
+        let roles =
+            [ImageRole::Albedo, normal, ImageRole::Mask, level, ImageRole::Emission, ImageRole::Data, ImageRole::Data];
         let mut roles = roles.into_iter();
         source.images.all().map(|image| {
             let role = roles.next()?;
@@ -243,13 +243,13 @@ fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let texture = match role {
         ImageRole::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
-        ImageRole::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
+        ImageRole::Bump(_) | ImageRole::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
         ImageRole::Mask | ImageRole::Reflectivity | ImageRole::Emission | ImageRole::Data => None,
     };
     let instead = match role {
         _ if texture.is_some() => "a generated image takes its place",
         ImageRole::Albedo => "the material's colour takes its place",
-        ImageRole::Normal(_) => "the surface is smooth",
+        ImageRole::Bump(_) | ImageRole::Normal(_) => "the surface is smooth",
         ImageRole::Mask => "the surface is opaque",
         ImageRole::Reflectivity => "white takes its place",
         ImageRole::Emission | ImageRole::Data => "the material's number takes its place",
@@ -265,7 +265,8 @@ fn decode(path: &Path, role: ImageRole, side: u32) -> Result<Texture> {
         ImageRole::Data => decode(Encoding::Linear)?,
         ImageRole::Mask => texture::into_mask(decode(Encoding::Linear)?),
         ImageRole::Reflectivity => texture::into_reflectivity(decode(Encoding::Linear)?),
-        ImageRole::Normal(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
+        ImageRole::Bump(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
+        ImageRole::Normal(bits) => texture::tidy_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
     })
 }
 

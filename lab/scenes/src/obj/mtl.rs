@@ -10,8 +10,10 @@
 //! | `Pr`, `Pm`, `map_Pr`, `map_Pm` | roughness and metalness as those of glTF |
 //! | `Ke`, `map_Ke` | emission |
 //! | `map_Kd`, `map_Ks`, `map_d` | image of the colour, factor on the value of `Ks`, alpha mask |
-//! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
+//! | `bump`, `map_bump` | normal map or height field, as the image's content says; `-bm` scales its tilt |
+//! | `norm` | normal map; `-bm` scales its tilt |
 //!
+//! A value that is no number counts as missing, with a warning ([`number`], [`colour`]).
 //! Other statements that change the look of a material are dropped, with a warning for each kind ([`lost_meaning`]).
 //! `sharpness`, `map_Ka`, `map_aat` and unknown statements are ignored, but unknown maps get a warning.
 
@@ -23,7 +25,7 @@ use super::text::{NO_MATERIAL, stated_number};
 use super::{decode, read_limited};
 use glam::Vec3;
 use ssct_geometry::bounded::printable_name;
-use ssct_ground::{Error, Result};
+use ssct_ground::Result;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -96,7 +98,7 @@ pub(super) fn read_libraries(
             match path {
                 Some(path) => {
                     let bytes = read_limited(&path)?;
-                    for (name, definition) in read_materials(&path, &decode(&path, &bytes)?)? {
+                    for (name, definition) in read_materials(&path, &decode(&path, &bytes)?) {
                         definitions.named.entry(name).or_insert(definition);
                     }
                 }
@@ -191,7 +193,7 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
 }
 
 /// Reads the materials in the text of one MTL file. If a name occurs twice, the last definition is used.
-fn read_materials(path: &Path, text: &str) -> Result<HashMap<String, Definition>> {
+fn read_materials(path: &Path, text: &str) -> HashMap<String, Definition> {
     let mut definitions = HashMap::new();
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
@@ -215,11 +217,11 @@ fn read_materials(path: &Path, text: &str) -> Result<HashMap<String, Definition>
         } else if line.starts_with('#') {
             exporter = Exporter::from_comment(line).unwrap_or(exporter);
         } else if let Some((_, definition)) = &mut current {
-            read_statement(&place, &keyword.to_ascii_lowercase(), rest, definition)?;
+            read_statement(&place, &keyword.to_ascii_lowercase(), rest, definition);
         }
     }
     definitions.extend(with_law(current, exporter));
-    Ok(definitions)
+    definitions
 }
 
 /// The file and line of a statement.
@@ -236,18 +238,23 @@ impl std::fmt::Display for Place<'_> {
 
 /// Reads a statement of a material into its definition. `keyword` is in small letters, and `rest` is the text after the
 /// keyword.
-fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<()> {
+fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) {
     let image = || image_statement(place, rest);
     match keyword {
-        "kd" => definition.diffuse = required_colour(place, keyword, rest, definition)?,
-        "ks" => definition.specular = required_colour(place, keyword, rest, definition)?,
-        "ns" => definition.exponent = required_number(place, keyword, rest, definition)?,
-        "pr" => definition.roughness = required_number(place, keyword, rest, definition)?,
-        "pm" => definition.metalness = number_or_warning(place, rest, definition),
-        "ke" => definition.emission = colour_or_warning(place, rest, definition),
-        "ka" => definition.ambient = stated_colour(rest),
-        "ni" => definition.ior = first_number(rest),
-        "illum" => definition.model = first_number(rest).map(|model| model as u32),
+        "kd" => definition.diffuse = colour(place, rest, definition),
+        "ks" => definition.specular = colour(place, rest, definition),
+        "ns" => definition.exponent = number(place, rest, definition),
+        "pr" => definition.roughness = number(place, rest, definition),
+        "pm" => definition.metalness = number(place, rest, definition),
+        "ke" => {
+            definition.emission = colour(place, rest, definition);
+            if definition.emission.is_some_and(|emission| emission.max_element() > 1.0) {
+                definition.note_dropped(place, "emission brighter than 1 counts as 1");
+            }
+        }
+        "ka" => definition.ambient = colour(place, rest, definition),
+        "ni" => definition.ior = number(place, rest, definition),
+        "illum" => definition.model = number(place, rest, definition).map(|model| model as u32),
         "map_ke" => definition.images.emission = image(),
         "map_pr" => definition.images.roughness = image(),
         "map_pm" => definition.images.metalness = image(),
@@ -259,14 +266,16 @@ fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Def
         "map_kd" => definition.images.albedo = image(),
         "map_ks" => definition.images.reflectivity = image(),
         "map_d" | "map_opacity" => definition.images.mask = image(),
-        "bump" | "map_bump" | "norm" => definition.images.normal = image(),
+        "bump" | "map_bump" => definition.images.normal = image(),
+        "norm" => {
+            definition.images.normal = image().map(|image| ImageStatement { is_normal_map: true, ..image });
+        }
         _ => {
             if let Some(sentence) = lost_meaning(keyword, rest) {
                 definition.note_dropped(place, sentence);
             }
         }
     }
-    Ok(())
 }
 
 /// Returns the warning about a statement that is not read, or `None` if nothing is lost, for example because the
@@ -318,70 +327,42 @@ fn first_number(rest: &str) -> Option<f32> {
     rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
 }
 
-/// Returns the colour of a statement: three finite numbers, or one for all channels; `None` for anything else.
-fn stated_colour(rest: &str) -> Option<Vec3> {
-    let number = |word: &str| word.parse().ok().filter(|v: &f32| v.is_finite());
-    let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).take(3).collect();
-    let numbers: Vec<f32> = words.iter().map_while(|word| number(word)).collect();
-    match numbers[..] {
-        [r, g, b] => Some(Vec3::new(r, g, b)),
-        [grey] if words.len() == 1 => Some(Vec3::splat(grey)),
-        _ => None,
-    }
-}
-
-/// The warning about a number that cannot be used.
-const NO_NUMBER: &str = "a statement with a number that is not finite was ignored";
-
-/// Returns the first number of a statement; `None`, with a warning, if there is no finite number.
-fn number_or_warning(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
-    let number = first_number(rest);
+/// Returns the number in the first word of a statement; `None`, with a warning, if it is no finite number.
+fn number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
+    let word = rest.split_whitespace().next().unwrap_or("");
+    let stated = stated_number(word);
+    let number = stated.map(|number| number as f32).filter(|number| number.is_finite());
     if number.is_none() {
-        definition.note_dropped(place, NO_NUMBER);
+        let has_comma = stated_number(&word.replace(',', ".")).is_some();
+        definition.note_dropped(
+            place,
+            match stated {
+                Some(_) => "a statement with a number that is not finite was ignored",
+                None if has_comma => "a statement with a decimal comma was ignored; MTL files have decimal points",
+                None => "a statement whose value is no number was ignored",
+            },
+        );
     }
     number
 }
 
-/// Returns the colour of a statement; `None`, with a warning, if there is no colour.
-fn colour_or_warning(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
-    let colour = stated_colour(rest);
-    if colour.is_none() {
-        definition.note_dropped(place, NO_NUMBER);
-    }
-    colour
-}
-
-/// Returns the number that the first word of a statement states; `None`, with a warning, if it is not finite. A word
-/// that is no number is an error.
-fn required_number(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<f32>> {
-    let word = rest.split_whitespace().next().unwrap_or("");
-    let stated = stated_number(word).ok_or_else(|| {
-        let message = format!("{keyword} needs a finite number, not {:?}", printable_name(word));
-        Error::malformed(place.path, Some(place.line), message)
-    })?;
-    let number = Some(stated as f32).filter(|v| v.is_finite());
-    if number.is_none() {
-        definition.note_dropped(place, NO_NUMBER);
-    }
-    Ok(number)
-}
-
-/// Returns a colour given as three numbers, or as one number for all three channels. The result is `None`, with a
-/// warning, for numbers that are not finite, and for spectral curves and CIE XYZ, which are not supported.
-fn required_colour(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) -> Result<Option<Vec3>> {
-    let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
+/// Returns the colour of a statement: three numbers, or one for all three channels. The result is `None`, with a
+/// warning, for another count, for words that are no finite numbers, and for spectral curves and CIE XYZ.
+fn colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
+    let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).take(3).collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
         definition.note_dropped(place, "colours as spectral curves or CIE XYZ are not supported and were ignored");
-        return Ok(None);
+        return None;
     }
-    let numbers: Vec<Option<f32>> =
-        words.iter().take(3).map(|word| required_number(place, keyword, word, definition)).collect::<Result<_>>()?;
-    match numbers[..] {
-        [r, g, b] => Ok(r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b))),
-        [grey] => Ok(grey.map(Vec3::splat)),
-        _ => {
-            let message = format!("{keyword} needs three numbers, not {}", numbers.len());
-            Err(Error::malformed(place.path, Some(place.line), message))
+    let numbers: Vec<f32> = words.iter().filter_map(|word| number(place, word, definition)).collect();
+    match (&numbers[..], words.len()) {
+        (&[r, g, b], _) => Some(Vec3::new(r, g, b)),
+        (&[grey], 1) => Some(Vec3::splat(grey)),
+        (numbers, count) => {
+            if numbers.len() == count {
+                definition.note_dropped(place, "a colour that has neither one number nor three was ignored");
+            }
+            None
         }
     }
 }

@@ -145,8 +145,7 @@ const FREE_FORM: [&str; 21] = [
 ];
 
 /// Statements that tell other programs how to draw, which are ignored without a warning.
-const DRAWING_HINTS: [&str; 9] =
-    ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
+const DRAWING_HINTS: [&str; 8] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech"];
 
 impl<'a> Scan<'a> {
     /// Makes a reading before its first statement. Its output begins with the NaN entries.
@@ -191,6 +190,7 @@ impl<'a> Scan<'a> {
             "usemtl" => self.use_material(rest.trim()),
             "mtllib" => self.out.libraries.push((self.line, rest.trim().to_owned())),
             "l" | "p" => self.note_dropped("lines and points are not drawn"),
+            "call" => self.note_dropped("files that the statement call names are not read"),
             "usemap" | "maplib" => self.note_dropped("usemap and maplib are not supported and were ignored"),
             _ if keyword.is_empty() || keyword.starts_with('#') || DRAWING_HINTS.contains(&keyword.as_str()) => {}
             _ if FREE_FORM.contains(&keyword.as_str()) => {

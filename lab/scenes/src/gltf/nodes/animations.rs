@@ -152,7 +152,7 @@ fn keys<const N: usize>(
 }
 
 /// Finds the nodes with meshes that an animation moves. `changes` are the changes of nodes by their indices; the other
-/// parameters are those of [`motions`].
+/// parameters are those of [`motions`]. A note tells of cameras and lights that would move, since motions have none.
 fn movers(
     data: &Data,
     nodes: &Nodes,
@@ -168,15 +168,30 @@ fn movers(
     let mut movers = Vec::new();
     let mut count = 0;
     for (node, to_world) in &nodes.shown {
-        let Some(name) = names.get(&node.index()) else { continue };
+        let is_camera_or_light = node.camera().is_some() || node.light().is_some();
+        let name = names.get(&node.index());
+        if name.is_none() && !is_camera_or_light {
+            continue;
+        }
         // The node, its parent and so on up to the root. The limit ends the chain in a faulty file with a cycle.
         let upwards = std::iter::successors(Some(node.index()), |index| parents[*index]);
         let ancestors: Vec<usize> = upwards.take(all.len()).collect();
+        let is_moved = ancestors.iter().any(|index| changes.contains_key(index));
+        if is_moved && is_camera_or_light {
+            let sentence = "animations of cameras and lights are not played; they stay where they stand at rest";
+            notes.add("cameras move", sentence.to_owned());
+        }
+        let Some(name) = name else { continue };
         if node.skin().is_some() {
             notes.add("skins move", "animations of skins are not played".to_owned());
             continue;
         }
-        if !ancestors.iter().any(|index| changes.contains_key(index)) {
+        if !is_moved {
+            continue;
+        }
+        if [to_world.x_axis, to_world.y_axis, to_world.z_axis].iter().all(|axis| axis.truncate() == DVec3::ZERO) {
+            let name = bounded::printable_name(name);
+            notes.add("no size", format!("{name} is never drawn, since its size is 0 while no animation plays"));
             continue;
         }
         let chain = moving_chain(ancestors.iter().rev().map(|index| (&all[*index], changes.get(index))));

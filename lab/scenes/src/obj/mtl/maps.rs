@@ -94,6 +94,7 @@ pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatemen
         mtl_path: place.path.to_owned(),
         line: place.line,
         multiplier,
+        is_normal_map: false,
         transformed,
         altered,
     })
