@@ -76,11 +76,12 @@ fn examples_run_as_methods_of_the_table_do() {
 }
 
 /// Two variants of one folder differ by the value of a parameter, which the records have. The folder is loaded once,
-/// although its path is written in two ways.
+/// although its path is written in two ways. A path with blanks stands in quotes.
 #[test]
 fn a_variant_may_be_a_folder_and_names_are_known_once() {
     let folder = with_example("march");
-    let variants = ["--variant", "m --view-steps 10", "--variant", "m/ --view-steps 20"];
+    std::fs::create_dir(folder.path("my methods")).unwrap();
+    let variants = ["--variant", "m --view-steps 10", "--variant", "'my methods/../m' --view-steps 20"];
     let args = [&variants[..], &["--rays", "4", "--samples", "1", "--roughness", "0", "--json"]].concat();
     let rows: Value = serde_json::from_str(&folder.succeed(&on_room("error", &args))).unwrap();
     let steps = |r: &Value| r["setup"]["view_steps"].as_u64();

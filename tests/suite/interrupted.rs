@@ -3,8 +3,14 @@
 
 use crate::common::folder::is_notice;
 use crate::common::hang::wait_until;
-use crate::common::{expected_failures, gpu};
+use crate::common::{built_in, expected_failures, gpu};
 use serde_json::Value;
+use ssct::methods::{self, Setup};
+use ssct_lab::error::{Error, Result};
+use ssct_lab::stage::Globals;
+use ssct_lab::study::precision::{self, PrecisionSpec};
+use ssct_lab::study::stress::lineup::SceneMethods;
+use ssct_lab::study::stress::motion::{self, Motion, MotionSpec};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -167,6 +173,44 @@ fn cells_of_the_error_study_survive_too() {
     let roughness: HashSet<String> =
         records(folder.path().join("error.json")).iter().map(|r| r["roughness"].to_string()).collect();
     assert_eq!(roughness.len(), 6);
+}
+
+/// Checks that a measurement ends at any of its questions whether to go on, if the answer is an error.
+fn check_questions(mut measure: impl FnMut(&mut dyn FnMut() -> Result<()>) -> Result<()>) {
+    // Answers so many questions by yes. Returns how many were asked, and whether the measurement came to its end.
+    let mut questions = |yes: usize| {
+        let mut asked = 0;
+        let outcome = measure(&mut || {
+            asked += 1;
+            if asked > yes { Err(Error::Stopped { signal: 2, kept: None }) } else { Ok(()) }
+        });
+        (asked, outcome.is_ok())
+    };
+    let (all, is_done) = questions(usize::MAX);
+    assert!(is_done && all > 7, "{all}");
+    for yes in [0, 1, all / 2, all - 1] {
+        assert_eq!(questions(yes), (yes + 1, false));
+    }
+}
+
+/// A ladder of precision and a motion of the camera end at any of their steps, although each is a single cell. A cell
+/// may take minutes, in which a signal would go unheard.
+#[test]
+fn a_signal_ends_a_cell_between_its_steps() {
+    let (gpu, scene, size) = (gpu(), built_in("corridor"), [32, 18]);
+    let (view, methods) = (&scene.views[0], [methods::find("dda").unwrap()]);
+    check_questions(|go_on| {
+        let (globals, setup) = (Globals { roughness: Some(0.0), ..Globals::default() }, Setup::new(size));
+        let spec = PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 };
+        precision::measure(&spec, go_on).map(drop)
+    });
+    let mut lineup = SceneMethods::new(&gpu, scene.clone(), &Setup::new(size), &methods).unwrap();
+    check_questions(|go_on| {
+        let (motion, roughness, frames, rays) = (Motion::SlowPan, 0.0, 2, 32);
+        let spec = MotionSpec { view, motion, extent: size, roughness, frames, rays, against_world: true };
+        motion::run(&gpu, &spec, &mut lineup, go_on).map(drop)
+    });
+    gpu.check_validation().unwrap();
 }
 
 /// A simulated loss of the device ends the run with a sentence, and all frames before it are recorded. After a failed

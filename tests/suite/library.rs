@@ -96,6 +96,8 @@ fn the_page_has_runs_changes_and_trends_within_a_device() {
     for word in ["http:", "https:", "url(", "@import", "<iframe", "<object", " src="] {
         assert!(!page.contains(word), "{word}");
     }
+    let printed = folder.succeed(&["index", "all/2026-11-21-b", "-o", "one"]);
+    assert!(printed.contains("1 run, 0 figures over runs, 0 folders left out"), "{printed}");
     // Equal runs make an equal page. The command may write over its own page.
     folder.succeed(&["index", "all"]);
     assert_eq!(folder.text("all/index.html"), page);

@@ -39,8 +39,8 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
 
     let methods = ["unified", "ssct"].map(|name| methods::find(name).unwrap());
     let setup = Setup::new(SIZE);
-    let records =
-        measure(&PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 }).unwrap();
+    let spec = PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 };
+    let records = measure(&spec, &mut || Ok(())).unwrap();
     let finest = Storage::FINEST;
     for method in [ORACLE, "unified"] {
         let method_rungs = rungs(&records, method);

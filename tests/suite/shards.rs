@@ -225,6 +225,15 @@ fn what_does_not_belong_together_is_not_merged() {
         assert!(text.contains(from), "{file} has no {from}");
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
     };
+    changed("2/cells.json", "\"kind\": \"error\"", "\"kind\": \"time\"");
+    for runs in [[&a, &b], [&b, &a]] {
+        // The kinds are compared before a run's results are read, which are none of the other kind.
+        let message = refused(&["merge", runs[0], runs[1], "-o", &to]);
+        let [first, second] = if runs[0] == &a { ["error", "time"] } else { ["time", "error"] };
+        let expected = format!("{}: is of the kind {second}, and {} of the kind {first}", runs[1], runs[0]);
+        assert!(message.contains(&expected), "{message}");
+    }
+    changed("2/cells.json", "\"kind\": \"time\"", "\"kind\": \"error\"");
     changed("2/cells.json", "\"commit\": \"", "\"commit\": \"other ");
     assert!(merge(&b).contains("its commit is other "), "{}", merge(&b));
     changed("1/cells.json", "\"commit\": \"", "\"commit\": \"other ");
@@ -403,6 +412,11 @@ fn a_reference_is_divided_by_its_rays() {
         let (shard, file) = (format!("{}/3", n + 1), image(&n.to_string()));
         run_successfully(&[&render[..], &["--shard", &shard, "-o", &file, "--cache", folder]].concat());
     }
+    std::fs::create_dir(folders.path("study")).unwrap();
+    std::fs::write(folders.path("study/cells.json"), "{}").unwrap();
+    let study = folders.name("study");
+    let message = refused(&["merge", &a, &study, "-o", &all]);
+    assert!(message.contains(&format!("{a}: holds rays of a reference, and {study} a run")), "{message}");
     let message = refused(&["merge", &a, &c, "-o", &all]);
     assert!(message.contains("samples 64 to 127 of corridor") && message.contains("are missing"), "{message}");
     let printed = run_successfully(&["merge", &c, &a, &b, "-o", &all]);

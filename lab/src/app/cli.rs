@@ -179,14 +179,14 @@ pub struct RenderOptions {
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long, conflicts_with = "figure")]
     pub reflection_only: bool,
-    /// For --method reference: the standard error of the reflection at which sampling ends
-    #[arg(long, value_name = "E", default_value_t = 0.003)]
-    pub standard_error: f32,
-    /// For --method reference: rays a pixel at most
+    /// For --method reference: the standard error of the reflection at which sampling ends [default: 0.003]
+    #[arg(long, value_name = "E")]
+    pub standard_error: Option<f32>,
+    /// For --method reference: rays a pixel at most [default: 1024]
     ///
     /// Mirrors take at least 16, over the footprint of a pixel, however few are allowed.
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
-    pub max_rays: u32,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
+    pub max_rays: Option<u32>,
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
@@ -195,7 +195,7 @@ pub struct RenderOptions {
     /// The scene's rectangular area lights shine, things cast shadows, and surfaces pass light on up to N times; 0 is direct
     /// light alone. Every surface is taken for a diffuse one, and each pixel has --max-rays paths. The samples are not kept in
     /// --cache.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=64), conflicts_with_all = ["standard_error", "cache", "shard", "reflection_only", "json"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=64), conflicts_with_all = ["standard_error", "cache", "shard", "reflection_only", "json", "bounces"])]
     pub diffuse_bounces: Option<u32>,
     /// For --method reference: take this share of the rays
     ///

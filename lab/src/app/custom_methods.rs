@@ -2,7 +2,7 @@
 
 use super::parameters::PRESET;
 use crate::custom;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use clap::Command;
 use std::cell::LazyCell;
 use std::collections::{BTreeSet, HashMap};
@@ -14,8 +14,10 @@ use std::path::PathBuf;
 const METHOD: &str = "--method";
 /// Another flag whose value names methods.
 const AGAINST: &str = "--against";
+/// The flag whose value is a method with flags of its own.
+const VARIANT: &str = "--variant";
 /// The flags whose value is one method, followed by flags of this method.
-const VARIANTS: [&str; 3] = ["--variant", "--a", "--b"];
+const VARIANTS: [&str; 3] = [VARIANT, "--a", "--b"];
 /// The flag whose value is a folder that shaders of methods may include from.
 const INCLUDE: &str = "--include";
 
@@ -127,9 +129,52 @@ fn replace_folders(
         Ok(info.name.to_owned())
     };
     if VARIANTS.contains(&flag) {
-        let (method, flags) = value.split_once(char::is_whitespace).unwrap_or((value, ""));
+        let (method, flags) = split_variant(value);
+        let is_include = |word: &str| word.split('=').next() == Some(INCLUDE);
+        if flag == VARIANT && flags.split_whitespace().any(is_include) {
+            let message = format!("{VARIANT} {value:?}: {INCLUDE} stands outside the quotes, for all methods");
+            return Err(Error::usage(message));
+        }
         return Ok(format!("{} {flags}", name(method)?).trim_end().to_owned());
     }
     let names: Vec<String> = value.split(',').map(name).collect::<Result<_>>()?;
     Ok(names.join(","))
+}
+
+/// Splits a variant into its method and its flags. A method that begins with a quotation mark, ' or ", ends with the
+/// next one, so that the path of a folder may have blanks.
+fn split_variant(value: &str) -> (&str, &str) {
+    let value = value.trim_start();
+    let quoted = ['\'', '"'].into_iter().find_map(|mark| value.strip_prefix(mark)?.split_once(mark));
+    let (method, flags) = quoted.or_else(|| value.split_once(char::is_whitespace)).unwrap_or((value, ""));
+    (method, flags.trim_start())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variant_is_a_method_perhaps_in_quotes_and_its_flags() {
+        for (value, method, flags) in [
+            ("ssct", "ssct", ""),
+            ("  ssct  --fade off", "ssct", "--fade off"),
+            ("'my methods/m' --fade off", "my methods/m", "--fade off"),
+            ("\"it's mine/m\"", "it's mine/m", ""),
+            ("it's/m --fade off", "it's/m", "--fade off"),
+            ("'m --fade off", "'m", "--fade off"),
+        ] {
+            assert_eq!(split_variant(value), (method, flags), "{value}");
+        }
+    }
+
+    #[test]
+    fn a_variant_with_folders_for_its_shaders_is_refused() {
+        let replace = |value: &str| replace_folders(VARIANT, value, &Box::new(BTreeSet::new()), &mut HashMap::new());
+        for value in ["ssct --include parts", "ssct --fade off --include=parts"] {
+            let message = replace(value).expect_err(value).to_string();
+            assert!(message.contains("--include stands outside the quotes"), "{message}");
+        }
+        assert_eq!(replace("'ssct'  --fade off").expect("a variant"), "ssct --fade off");
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::cli::{GBufferCommand, GBufferConvertOptions, GBufferExportOptions, GBufferReflectOptions};
 use super::resolve;
+use crate::error::{Error, Result};
 use crate::report::{files, images};
 use crate::stage::{Shot, Stage, gbuffer};
 use ssct::methods::setup::OwnRays;
@@ -23,6 +24,7 @@ pub fn run(command: &GBufferCommand) -> anyhow::Result<()> {
 
 /// Draws a view of a scene, and writes the G-buffer of the view to a file.
 fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
+    check_is_exr(&options.file)?;
     let place = &options.place;
     let globals = resolve::one_globals(place, "a G-buffer has one roughness a pixel")?;
     let scene = resolve::scene(place, "rooms")?;
@@ -75,9 +77,18 @@ fn for_one_image(setup: Setup) -> Setup {
 
 /// Reads another renderer's G-buffer by a map, and writes it in our conventions.
 fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
+    check_is_exr(&options.output)?;
     let data = load(&options.file, Some(&options.gbuffer_map))?;
     files::write(&options.output, &gbuffer_file::encode(&data, &options.output)?)?;
     Ok(())
+}
+
+/// Refuses a file whose name does not end in .exr: other programs would take its bytes for those of another format.
+fn check_is_exr(path: &Path) -> Result<()> {
+    if images::has_extension(path, "exr") {
+        return Ok(());
+    }
+    Err(Error::usage(format!("{}: a G-buffer is written as .exr", path.display())))
 }
 
 /// Reads a G-buffer in our own conventions or in those of a map, and warns if its data contradict each other.

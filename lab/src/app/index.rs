@@ -8,7 +8,7 @@ use crate::report::library;
 use crate::study::compare::THRESHOLD;
 use crate::study::library::changes::changes;
 use crate::study::library::trends::trends;
-use crate::study::names::one_line;
+use crate::study::names::{count_text, one_line};
 use clap::Args;
 use ssct::methods;
 use ssct_scenes::inside::PathInFolder;
@@ -68,11 +68,11 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     }
     writeln!(
         out,
-        "{}: {} runs, {} figures over runs, {} folders left out ({:.1} MB)",
+        "{}: {}, {} over runs, {} left out ({:.1} MB)",
         page.path().display(),
-        library.runs.len(),
-        trends.iter().map(|t| t.lines.len()).sum::<usize>(),
-        library.unreadable.len(),
+        count_text(library.runs.len(), "run"),
+        count_text(trends.iter().map(|t| t.lines.len()).sum(), "figure"),
+        count_text(library.unreadable.len(), "folder"),
         html.len() as f64 / 1e6
     )?;
     Ok(())

@@ -27,9 +27,15 @@ use std::path::{Path, PathBuf};
 
 /// Merges the runs, writes the files of the whole study, and says which cells are missing.
 pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
-    let is_run = |folder: &PathBuf| PathInFolder::folder(folder).join(CELLS).is_there();
-    if !options.folders.iter().any(is_run) && options.folders.iter().any(|folder| reference_part::has_parts(folder)) {
-        return reference_part::merge(options);
+    let is_run = |folder: &&PathBuf| PathInFolder::folder(folder).join(CELLS).is_there();
+    let has_rays = |folder: &&PathBuf| !is_run(folder) && reference_part::has_parts(folder);
+    match (options.folders.iter().find(has_rays), options.folders.iter().find(is_run)) {
+        (Some(rays), Some(run)) => {
+            let message = format!("holds rays of a reference, and {} a run: merge each by itself", run.display());
+            return Err(Error::malformed(rays, None, message).into());
+        }
+        (Some(_), None) => return reference_part::merge(options),
+        (None, _) => {}
     }
     let inputs = options.folders.iter().map(|folder| run_folder::read(folder)).collect::<Result<Vec<_>>>()?;
     let is_output = |input: &MergeInput| same_folder(&input.folder, &options.output);
@@ -37,14 +43,20 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
         return Err(Error::usage(message).into());
     }
-    let kind = inputs[0].cells.kind.as_str();
+    let first = &inputs[0];
+    let kind = first.cells.kind.as_str();
+    if let Some(other) = inputs.iter().find(|input| input.cells.kind != kind) {
+        let (other_kind, folder) = (&other.cells.kind, first.folder.display());
+        let message = format!("is of the kind {other_kind}, and {folder} of the kind {kind}: merge each by itself");
+        return Err(Error::malformed(&other.folder, None, message).into());
+    }
     let Some(merger) = studies::mergers().into_iter().chain([figures_merger()]).find(|m| m.kind == kind) else {
         let message = format!("is a run of a kind that is not known: {kind}");
-        return Err(Error::malformed(&inputs[0].folder, None, message).into());
+        return Err(Error::malformed(&first.folder, None, message).into());
     };
     inputs.iter().try_for_each(merger.check)?;
     let merged = merge(&inputs, merger.results)?;
-    check_program(&inputs[0].folder, &merged.cells)?;
+    check_program(&first.folder, &merged.cells)?;
     let folder = PathInFolder::folder(&options.output);
     check_nothing_is_lost(&folder, &merged)?;
     let count = merged.cells.cells.len();

@@ -27,9 +27,11 @@ pub fn with_number_parsers(command: Command) -> Command {
     })
 }
 
-/// Reads a number. The command that knows the number's meaning checks its range.
+/// Reads a number; -0 is 0. The command that knows the number's meaning checks its range.
 fn parse_number(text: &str) -> Result<f32, String> {
-    text.trim().parse().map_err(|_| format!("{text:?} is no number; write it as 0.5"))
+    let number: f32 = text.trim().parse().map_err(|_| format!("{text:?} is no number; write it as 0.5"))?;
+    // The sum of -0 and 0 is 0, so that names and records have no second zero.
+    Ok(number + 0.0)
 }
 
 #[cfg(test)]
@@ -56,6 +58,12 @@ mod tests {
     fn both_spellings_of_a_negative_number_are_one() {
         assert_eq!(parse(&["--roughness", "-0.1"]), parse(&["--roughness=-0.1"]));
         assert_eq!(parse(&["--roughness", "0.1,-0.5"]), Ok((vec![0.1, -0.5], None)));
+    }
+
+    #[test]
+    fn there_is_one_zero() {
+        let (zeros, _) = parse(&["--roughness", "0,-0,-0.0"]).expect("numbers");
+        assert_eq!(zeros.iter().map(f32::to_string).collect::<Vec<_>>(), ["0"; 3]);
     }
 
     #[test]

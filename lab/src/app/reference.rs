@@ -1,6 +1,6 @@
 //! `ssct render --method reference`: the world reference as an image. It needs no Vulkan device.
 
-use super::cli::RenderOptions;
+use super::cli::{CommonOptions, RenderOptions};
 use super::printed;
 use super::reference_part::{self, ReferencePart};
 use super::run::go_on;
@@ -10,6 +10,7 @@ use crate::report::images;
 use crate::study::record::DEFINITIONS;
 use glam::Vec3;
 use ssct::gpu::Pixels;
+use ssct_ground::parameter::Preset;
 use ssct_scenes::{Camera, GBufferData, Material, Scene};
 use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::kept_samples::{short_name, whole_file};
@@ -23,6 +24,12 @@ use std::path::{Path, PathBuf};
 /// Rays a pixel that [`truth`] traces before the program can stop again.
 const RAYS_AT_ONCE: u32 = 4;
 
+/// Rays a pixel at most, unless the options say otherwise.
+const MAX_RAYS: u32 = 1024;
+
+/// The standard error at which sampling ends, unless the options say otherwise.
+const STANDARD_ERROR: f32 = 0.003;
+
 /// Takes samples of the world reference until the standard error is met, and writes the image. Samples that were kept
 /// for the same image are used again.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
@@ -32,8 +39,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let message = "the reference has no intermediates: give -o, without --dump, --figure or --pixel";
         return Err(Error::usage(message.into()).into());
     };
-    if !(options.standard_error.is_finite() && options.standard_error > 0.0) {
-        return Err(Error::usage(format!("--standard-error {}: must be above 0", options.standard_error)).into());
+    check_read(options)?;
+    if let Some(error) = options.standard_error.filter(|error| !(error.is_finite() && *error > 0.0)) {
+        return Err(Error::usage(format!("--standard-error {error}: must be above 0")).into());
     }
     images::check_extension(output)?;
     let globals = resolve::one_globals(&common.place, "render makes one image")?;
@@ -49,7 +57,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
     let reference = WorldReference::new(&world, &first_hits, &camera, 1).with_bounces(effect.bounces);
-    let bar = progress::bar("reference", options.max_rays as usize);
+    let bar = progress::bar("reference", max_rays(options) as usize);
     let mut progress = |state: &WorldState| {
         bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
         bar.set_message(format!("reference, standard error {:.4}", state.overall_standard_error()));
@@ -57,7 +65,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     };
     let state = match (options.shard, &options.cache) {
         (Some(shard), Some(folder)) => {
-            let part = ReferencePart::new(&reference, (&scene, &view), shard, options.max_rays);
+            let part = ReferencePart::new(&reference, (&scene, &view), shard, max_rays(options));
             reference_part::sample(&reference, &part, folder, &mut progress)?
         }
         _ => {
@@ -78,6 +86,23 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         printed::json(&serde_json::json!([summary]))?;
     }
     Ok(())
+}
+
+/// Refuses options that the reference does not read: of the parameters of methods it reads the bounces alone, and it
+/// runs on no device.
+fn check_read(options: &RenderOptions) -> Result<()> {
+    let CommonOptions { method_options, device, .. } = &options.common;
+    let unread = method_options.values.given_names().find(|name| *name != "bounces");
+    let others = [
+        ("preset", method_options.values.preset != Preset::default()),
+        ("device", device.device.is_some()),
+        ("validation", device.validation),
+        ("explain", options.explain),
+    ];
+    let other = others.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name);
+    let Some(name) = unread.or(other) else { return Ok(()) };
+    let option = name.replace('_', "-");
+    Err(Error::usage(format!("--{option} is not read by --method reference, which traces rays on the CPU")))
 }
 
 /// Takes samples until a target is met, beginning with the samples of the same reference in the folder `cache`, and
@@ -151,15 +176,21 @@ fn diffuse_image(options: &RenderOptions, world: &World, camera: &Camera, bounce
         let scene = &world.scene.name;
         Error::usage(format!("--diffuse-bounces {bounces}: the scene {scene} has no rectangular area light"))
     })?;
-    Ok(to_pixels(&paths.image(camera, options.size, options.max_rays), options.size))
+    Ok(to_pixels(&paths.image(camera, options.size, max_rays(options)), options.size))
+}
+
+/// The number of rays a pixel that the options allow.
+fn max_rays(options: &RenderOptions) -> u32 {
+    options.max_rays.unwrap_or(MAX_RAYS)
 }
 
 /// The target that the options set for sampling.
 fn sampling_target(options: &RenderOptions) -> SamplingTarget {
+    let samples_max = max_rays(options);
     SamplingTarget {
-        standard_error: f64::from(options.standard_error),
-        samples_max: options.max_rays,
-        samples_min: SamplingTarget::default().samples_min.min(options.max_rays),
+        standard_error: f64::from(options.standard_error.unwrap_or(STANDARD_ERROR)),
+        samples_max,
+        samples_min: SamplingTarget::default().samples_min.min(samples_max),
         ..SamplingTarget::default()
     }
 }

@@ -21,13 +21,16 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     if method == "reference" {
         return super::reference::run(options);
     }
-    if options.shard.is_some() {
-        let message = "--shard is for --method reference, whose rays can be divided; any other image is drawn at once";
-        return Err(Error::usage(message.into()).into());
-    }
-    if options.diffuse_bounces.is_some() {
-        let message = "--diffuse-bounces is for --method reference: no other method has light that surfaces pass on";
-        return Err(Error::usage(message.into()).into());
+    let for_reference = [
+        ("--shard", options.shard.is_some()),
+        ("--diffuse-bounces", options.diffuse_bounces.is_some()),
+        ("--cache", options.cache.is_some()),
+        ("--max-rays", options.max_rays.is_some()),
+        ("--standard-error", options.standard_error.is_some()),
+    ];
+    if let Some((option, _)) = for_reference.into_iter().find(|(_, is_given)| *is_given) {
+        let message = format!("{option} is for --method reference, which traces rays on the CPU, and not for {method}");
+        return Err(Error::usage(message).into());
     }
     if let Some(pixel) = options.pixel {
         pixel::check(pixel, options.size)?;

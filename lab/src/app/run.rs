@@ -114,7 +114,8 @@ fn study_command(arguments: impl Iterator<Item = String>) -> String {
         if argument.starts_with("-o") {
             continue;
         }
-        words.push(if argument.contains(char::is_whitespace) { format!("\"{argument}\"") } else { argument });
+        let mark = if argument.contains('"') { '\'' } else { '"' };
+        words.push(if argument.contains(char::is_whitespace) { format!("{mark}{argument}{mark}") } else { argument });
     }
     words.join(" ")
 }
@@ -142,5 +143,7 @@ mod tests {
         }
         let quoted = study_command(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());
         assert_eq!(quoted, "ssct error --variant \"stochastic --history on\"");
+        let folder = study_command(["error", "--variant", "\"my m\" --fade off"].map(str::to_owned).into_iter());
+        assert_eq!(folder, "ssct error --variant '\"my m\" --fade off'");
     }
 }

@@ -27,7 +27,8 @@ pub struct ShadersOptions {
     /// A method with its own options; may be repeated
     ///
     /// An example is "unified --history on". Options within the quotes override the same options outside them. Give it once for each
-    /// variant whose programs are compiled, instead of --method.
+    /// variant whose programs are compiled, instead of --method. A folder whose path has blanks stands in quotes of its own:
+    /// "'my methods/m' --fade off".
     #[arg(long, value_name = "METHOD OPTIONS", value_parser = parse_variant, conflicts_with = "method")]
     pub variant: Vec<TypedVariant>,
     /// Width and height in pixels

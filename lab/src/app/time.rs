@@ -36,7 +36,8 @@ pub struct TimeOptions {
     ///
     /// An example is "traced --tracer query". Options within the quotes override the same options outside them. Give it once for each
     /// variant that is timed, instead of --method. The tables of two or more end with verdicts on each beside the first
-    /// (docs/definitions.md, "Verdicts").
+    /// (docs/definitions.md, "Verdicts"). A folder whose path has blanks stands in quotes of its own:
+    /// "'my methods/m' --fade off".
     #[arg(
         long,
         value_name = "METHOD OPTIONS",

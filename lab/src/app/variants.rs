@@ -12,7 +12,8 @@ pub struct VariantOptions {
     /// A method with its own options; may be repeated
     ///
     /// An example is "stochastic --history on". Options within the quotes override the same options outside them. Give it once for each
-    /// variant that is compared, instead of --method.
+    /// variant that is compared, instead of --method. A folder whose path has blanks stands in quotes of its own:
+    /// "'my methods/m' --fade off".
     #[arg(
         long,
         value_name = "METHOD OPTIONS",

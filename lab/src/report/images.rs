@@ -76,7 +76,7 @@ pub fn write_image(to: impl Into<PathInFolder>, pixels: &Pixels) -> Result<()> {
 }
 
 /// True if the path has the extension, in small or in capital letters.
-fn has_extension(path: &Path, extension: &str) -> bool {
+pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 

@@ -159,20 +159,20 @@ struct Truth {
 type Hits = Vec<Option<[f64; 2]>>;
 
 impl Truth {
-    /// Traces the unrounded G-buffer of a view, and finds its references.
-    fn new(spec: &PrecisionSpec) -> Self {
+    /// Traces the unrounded G-buffer of a view, and finds its references. The error of `go_on` ends this.
+    fn new(spec: &PrecisionSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<Self> {
         let materials = spec.globals.materials(spec.scene, spec.view);
         let world = World::new(spec.scene, &materials);
         let exact = ExactGBuffer::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
         let mask = exact.data.reflecting();
-        let screen = screen_reference(&exact.data, &mask, spec);
-        Self {
+        let screen = screen_reference(&exact.data, &mask, spec, go_on)?;
+        Ok(Self {
             hits: are_mirrors(&exact.data).then(|| oracle_hits(&exact.data, &mask)),
             color: screen.color.iter().map(Vec3::to_array).collect(),
             standard_error: screen.overall_standard_error,
             exact,
             mask,
-        }
+        })
     }
 
     /// Makes the record of a subject on the G-buffer `stored`, whose formats are `storage`. The subject's reflection
@@ -200,11 +200,16 @@ impl Truth {
 }
 
 /// Renders the screen reference of a G-buffer in the pixels of `mask`. The seed, 3, is equal for all G-buffers, so that
-/// their references differ by the G-buffers alone.
-fn screen_reference(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
+/// their references differ by the G-buffers alone. The error of `go_on` ends the rendering.
+fn screen_reference(
+    data: &GBufferData,
+    mask: &[bool],
+    spec: &PrecisionSpec,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<ScreenReference> {
     let bounces = spec.setup.effect().bounces;
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, bounces };
-    ScreenReference::render(data, mask, sampling)
+    ScreenReference::render_while(data, mask, sampling, go_on)
 }
 
 /// Traces the mirror ray of each pixel of `mask` by version 1 of the oracle.
@@ -257,7 +262,7 @@ impl Study for PrecisionStudy {
 
     /// Measures the ladder of a view with a set of factors.
     fn measure(&mut self, (view, globals): &Self::Cell, bench: &mut Bench) -> Result<Vec<PrecisionRecord>> {
-        measure(&PrecisionSpec {
+        let spec = PrecisionSpec {
             gpu: bench.gpu,
             scene: &self.scene,
             view: &self.views[*view],
@@ -265,14 +270,18 @@ impl Study for PrecisionStudy {
             methods: &self.methods,
             setup: self.setup.clone(),
             rays: self.rays,
-        })
+        };
+        measure(&spec, &mut bench.go_on)
     }
 }
 
 /// Measures every rung of a ladder: each method on the stored G-buffer, and before them the oracle, if every reflector
-/// is a mirror.
-pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
-    let truth = Truth::new(spec);
+/// is a mirror. `go_on` is called between two steps, and its error ends the ladder.
+///
+/// # Errors
+/// Errors of the device and of `go_on`.
+pub fn measure(spec: &PrecisionSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<Vec<PrecisionRecord>> {
+    let truth = Truth::new(spec, go_on)?;
     let mut context = FrameContext::new(spec.gpu)?;
     let setup = spec.setup.seen_by(truth.exact.data.camera.kind());
     let effect = |m: &&'static MethodInfo| Ok((*m, Effect::new(&mut context, m, &setup, Wants::HITS, None)?));
@@ -282,7 +291,8 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     for storage in Storage::ladder() {
         let stored = storage.store(&truth.exact);
         if truth.hits.is_some() {
-            let color: Vec<_> = screen_reference(&stored, &truth.mask, spec).color.iter().map(Vec3::to_array).collect();
+            let screen = screen_reference(&stored, &truth.mask, spec, go_on)?;
+            let color: Vec<_> = screen.color.iter().map(Vec3::to_array).collect();
             let hits = oracle_hits(&stored, &truth.mask);
             records.push(truth.record(
                 spec,
@@ -296,6 +306,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
         let images_32_bit = GBufferImages::upload_wide(&mut context, &stored)?;
         let images_16_bit = GBufferImages::upload(&mut context, &stored)?;
         for (method, effect) in &effects {
+            go_on()?;
             let images = if method.follows_oracle { &images_16_bit } else { &images_32_bit };
             let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };
             let output = reflect_at_rest(&mut context, effect, &input)?;

@@ -411,8 +411,8 @@ fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
     if globals.reflectivity != 1.0 {
         options += &format!(" --reflectivity {}", globals.reflectivity);
     }
-    if let Some(fallback) = state.sides[0].options.get("fallback") {
-        options += &format!(" --fallback {fallback}");
+    if let Some(bounces) = state.sides[0].options.get("bounces") {
+        options += &format!(" --bounces {bounces}");
     }
     let scene = &state.scene;
     format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{options} -o truth.png")

@@ -294,15 +294,24 @@ impl Study for MotionStudy {
                 SceneMethods::new(bench.gpu, scene, &self.setup, &self.methods)?
             }
         };
-        let rows = run(bench.gpu, &self.spec(cell), &mut lineup);
+        let rows = run(bench.gpu, &self.spec(cell), &mut lineup, &mut bench.go_on);
         self.lineup = Some(lineup);
         rows
     }
 }
 
 /// Draws the frames of a motion by the methods of `lineup`, compares the changes of their reflections from frame to
-/// frame with those of the references, and makes a record of each method.
-pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Vec<MotionRecord>> {
+/// frame with those of the references, and makes a record of each method. `go_on` is called between two steps, and its
+/// error ends the motion.
+///
+/// # Errors
+/// Errors of the device and of `go_on`.
+pub fn run(
+    gpu: &Gpu,
+    spec: &MotionSpec,
+    lineup: &mut SceneMethods,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
     let materials = globals.materials(&lineup.scene, spec.view);
     lineup.set_materials(&materials)?;
@@ -318,6 +327,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Ve
         lineup.settle(*first)?;
     }
     for camera in cameras {
+        go_on()?;
         screens.extend(lineup.draw(camera)?);
         for (frames, pixels) in images.iter_mut().zip(lineup.reflections()?) {
             frames.push(pixels.texels().map(|t| finite_or_black(Vec3::new(t[0], t[1], t[2]))).collect());
@@ -325,8 +335,10 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Ve
     }
     let EffectParams { oracle, bounces, .. } = lineup.setup.effect();
     let sampling = Sampling { samples: spec.rays, seed: SEED, oracle, bounces };
-    let reference: Vec<Vec<Vec3>> =
-        screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling).color).collect();
+    let mut reference: Vec<Vec<Vec3>> = Vec::new();
+    for screen in &screens {
+        reference.push(ScreenReference::render_while(screen, &screen.reflecting(), sampling, go_on)?.color);
+    }
     let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
     // Returns the changes of colour over the pairs of all frames, frame after frame.
     let changes_of = |images: &[Vec<Vec3>]| -> Vec<Vec3> {
@@ -334,11 +346,15 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Ve
         frames.flat_map(|(pairs, two)| changes(pairs, &two[0], &two[1], extent[0])).collect()
     };
     let screen_changes = changes_of(&reference);
-    let world_changes = spec.against_world.then(|| {
+    let mut world_changes = None;
+    if spec.against_world {
         let world = World::new(&lineup.scene, &materials);
-        let images: Vec<_> = screens.iter().map(|s| world_image(&world, s, bounces, spec.rays)).collect();
-        changes_of(&images)
-    });
+        let mut images = Vec::new();
+        for screen in &screens {
+            images.push(world_image(&world, screen, (bounces, spec.rays), go_on)?);
+        }
+        world_changes = Some(changes_of(&images));
+    }
     let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
     let record = |(method, images): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
         let changes = changes_of(images);
@@ -365,11 +381,24 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, lineup: &mut SceneMethods) -> Result<Ve
     Ok(methods.iter().zip(&images).map(record).collect())
 }
 
-/// Traces the world reference of a G-buffer, and returns its reflection colours.
-fn world_image(world: &World, screen: &GBufferData, bounces: u32, rays: u32) -> Vec<Vec3> {
+/// Rays a pixel of the world reference that are traced between two calls of `go_on`.
+const RAYS_AT_ONCE: u32 = 16;
+
+/// Traces the world reference of a G-buffer with a number of bounces and of rays a pixel, and returns its reflection
+/// colours. The error of `go_on` ends the tracing.
+fn world_image(
+    world: &World,
+    screen: &GBufferData,
+    (bounces, rays): (u32, u32),
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<Vec<Vec3>> {
     let first_hits = FirstHits::shown(world, screen);
     let reference = WorldReference::new(world, &first_hits, &screen.camera, SEED).with_bounces(bounces);
     let mut state = reference.start();
-    reference.add(&mut state, rays);
-    reference.image(&state).reflection
+    while state.samples() < rays {
+        go_on()?;
+        let count = RAYS_AT_ONCE.min(rays - state.samples());
+        reference.add(&mut state, count);
+    }
+    Ok(reference.image(&state).reflection)
 }

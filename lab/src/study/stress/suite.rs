@@ -205,7 +205,7 @@ impl Study for StressStudy {
                 let (spec, scene) = (self.motion_spec(n), &self.scenes[0]);
                 let make = || SceneMethods::new(gpu, scene.clone(), &Setup::on_screen(spec.extent), &self.methods);
                 let lineup = scene_lineup.get_or_make(format!("motion {:?}", spec.extent), make)?;
-                let records = motion::run(gpu, &spec, lineup)?;
+                let records = motion::run(gpu, &spec, lineup, &mut bench.go_on)?;
                 records.into_iter().map(|record| StressRow::Motion(Box::new(record))).collect()
             }
         };
