@@ -13,7 +13,8 @@ pub mod sources;
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::setup::CaptureSide;
-use ssct::methods::{self, EffectParams, Setup, Wants};
+use ssct::methods::{self, EffectParams, MethodInfo, Setup, Wants};
+use ssct_ground::parameter::Value;
 use ssct_lab::stage::image::{RenderedImage, render};
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer};
 use ssct_scenes::{
@@ -275,6 +276,14 @@ pub fn clutter() -> Scene {
 /// size takes a second.
 pub fn with_small_captures(setup: &Setup) -> Setup {
     setup.with(|p: &mut EffectParams| p.capture_side = CaptureSide::Side128)
+}
+
+/// Returns the values that a setup has for parameters of a method and of the effect, without those of kinds that
+/// `is_wanted` refuses.
+pub fn values(method: &MethodInfo, setup: &Setup, is_wanted: fn(&Value) -> bool) -> Vec<(&'static str, String)> {
+    let all = setup.recorded(Some(method)).into_iter();
+    let wanted = all.filter(|(name, value)| *name != "preset" && is_wanted(value));
+    wanted.map(|(name, value)| (name, value.to_string())).collect()
 }
 
 /// Returns the camera that sees [`clutter`], for an image size in pixels.

@@ -51,7 +51,7 @@ fn farthest(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// For each of four cameras one after another, the frame equals that with a capture which stands still at that camera,
+/// For each of three cameras one after another, the frame equals that with a capture which stands still at that camera,
 /// and does not depend on the frames before it. The six faces are further passes. A face kept from an earlier camera
 /// would show.
 #[test]
@@ -59,12 +59,7 @@ fn it_follows_the_camera() {
     let gpu = gpu();
     let scene = clutter();
     let first = clutter_camera(EXTENT);
-    let cameras = [
-        first,
-        camera(Vec3::new(0.7, 1.1, 0.6), Vec3::new(0.0, 1.0, 6.0), EXTENT),
-        camera(Vec3::new(-0.8, 1.7, -0.5), Vec3::new(1.0, 0.5, 5.0), EXTENT),
-        first,
-    ];
+    let cameras = [first, camera(Vec3::new(-0.8, 1.7, -0.5), Vec3::new(1.0, 0.5, 5.0), EXTENT), first];
     for (method, fallback) in LOOKING {
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let following_setup = setup(CaptureCount::Camera, fallback);

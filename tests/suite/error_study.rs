@@ -1,6 +1,7 @@
 //! Tests `ssct error` on a small view: finite figures for every reference, kept cells and files. It also tests the
 //! records of `ssct time`, whose passes add up to the frame.
 
+use crate::common::folder::Folder;
 use crate::common::repository;
 use serde_json::Value;
 use std::path::Path;
@@ -144,12 +145,14 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
 /// the screen's reference, in which rays that leave the screen are black.
 #[test]
 fn what_shows_the_environment_is_held_against_a_world_with_it() {
-    // The street lies under the sky, so that a world with the environment differs from one without.
+    // The boards lie under the sky, so that a world with the environment differs from one without.
+    let folder = Folder::new();
+    folder.write_boards(".", &["ahead"]);
+    let scene = folder.path("boards.scene.toml");
     let run = |more: &[&str]| {
-        let what = ["error", "--scene", "street", "--roughness", "0", "--size", "64x36", "--quick"];
+        let what = ["error", "--scene", scene.to_str().unwrap(), "--roughness", "0", "--size", "64x36", "--quick"];
         let how = ["--no-sweep", "--samples", "1", "--rays", "2", "--json"];
-        let view = ["--view", "car"];
-        ssct(&[&what[..], &view, &how, more].concat())
+        ssct(&[&what[..], &how, more].concat())
     };
     let against = |records: &[Value], method: &str| {
         let method_records: Vec<_> = records.iter().filter(|r| r["method"] == method).collect();

@@ -117,25 +117,13 @@ fn wrong_numbers_are_told() {
     assert!(!Path::exists(&folder.path("figures")));
 }
 
-/// Writes a scene file of two boards with the views of Sponza, in a folder whose name has a space.
-fn boards(folder: &Folder) {
-    std::fs::create_dir(folder.path("a scene")).unwrap();
-    let board =
-        "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nv -9 -1 4\nv 9 -1 4\nv 9 3 4\nv -9 3 4\nf 4 3 2 1\nf 5 8 7 6\n";
-    std::fs::write(folder.path("a scene/boards.obj"), board).unwrap();
-    let view = |name: &str| format!("[view.{name}]\neye = [0.0, 0.5, -3.0]\nlook_at = [0.0, -0.2, 3.0]\n");
-    let views = ["atrium", "lion", "hall"].map(view).join("");
-    let scene =
-        format!("name = \"boards\"\n[[mesh]]\nfile = \"boards.obj\"\n[material.default]\nreflectivity = 1.0\n{views}");
-    std::fs::write(folder.path("a scene/boards.scene.toml"), scene).unwrap();
-}
-
 /// With a scene file that has the views of Sponza, the four figures of that scene are drawn in it, and the page says
 /// so. Other figures and other scenes are refused.
 #[test]
 fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     let folder = Folder::new();
-    boards(&folder);
+    std::fs::create_dir(folder.path("a scene")).unwrap();
+    folder.write_boards("a scene", &["atrium", "lion", "hall"]);
     let file = "a scene/boards.scene.toml";
     let said = folder.succeed(&["figures", "--scene", file, "--size", "48x27", "-o", "f"]);
     let made: Vec<_> = said.lines().filter_map(|l| l.split_once(".png: ")).map(|(stem, _)| stem).collect();

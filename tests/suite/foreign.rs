@@ -4,7 +4,7 @@
 
 mod names;
 
-use crate::common::folder::Folder;
+use crate::common::folder::{Folder, boards};
 use crate::common::hang::wait_until;
 use crate::common::{expected_failures, gpu};
 use serde_json::{Value, json};
@@ -42,7 +42,7 @@ fn figures() -> Folder {
 
 /// Makes a run of `ssct error` with one method.
 fn errors() -> Folder {
-    let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
+    let place = ["--scene", boards(), "--view", "ahead", "--size", "48x27", "--no-sweep"];
     run_of(
         &[&["error"], &place[..], &["--samples", "1", "--rays", "4", "--method", "ssct", "--roughness", "0"]].concat(),
     )
@@ -103,7 +103,7 @@ fn a_drawing_with_a_script_is_not_copied() {
 /// A journal whose method is a path is refused with its line. Names of methods become names of files.
 #[test]
 fn a_method_that_is_a_path_is_refused() {
-    let place = ["precision", "--scene", "corridor", "--view", "corridor", "--size", "32x18", "--rays", "2"];
+    let place = ["precision", "--scene", boards(), "--view", "ahead", "--size", "32x18", "--rays", "2"];
     let folder = run_of(&[&place[..], &["--method", "ssct", "--roughness", "0"]].concat());
     change(&folder, "part/journal.jsonl", |entry| {
         entry["value"].as_array_mut().unwrap().iter_mut().for_each(|r| r["method"] = json!("x/../../../escaped"));
@@ -154,7 +154,7 @@ fn what_a_journal_lost_is_measured_again_and_said() {
             entry["value"] = json!({ "a": 1 });
         }
     });
-    let place = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--no-sweep"];
+    let place = ["--scene", boards(), "--view", "ahead", "--size", "48x27", "--no-sweep"];
     let what = ["--samples", "1", "--rays", "4", "--method", "ssct", "--roughness", "0", "--resume", "-o", "part"];
     let output = folder.run(&[&["error"], &place[..], &what].concat());
     let message = String::from_utf8_lossy(&output.stderr);
@@ -190,7 +190,7 @@ fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
 /// A list of cells that claims 10^18 samples is refused with a limit, before a merge allocates memory for them.
 #[test]
 fn samples_without_number_are_refused_before_memory_is_taken() {
-    let folder = run_of(&["time", "--scene", "corridor", "--size", "32x18", "--samples", "1", "--method", "ssct"]);
+    let folder = run_of(&["time", "--scene", boards(), "--size", "32x18", "--samples", "1", "--method", "ssct"]);
     let text = folder.text("part/cells.json").replace("\"samples\": 1", "\"samples\": 1000000000000000000");
     folder.write("part/cells.json", text);
     let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
@@ -202,7 +202,7 @@ fn samples_without_number_are_refused_before_memory_is_taken() {
 #[test]
 fn a_share_of_a_reference_names_no_other_file() {
     let folder = Folder::new();
-    let render = ["render", "--method", "reference", "--scene", "corridor", "--size", "16x9", "--roughness", "0.3"];
+    let render = ["render", "--method", "reference", "--scene", boards(), "--size", "16x9", "--roughness", "0.3"];
     folder.succeed(&[&render[..], &["--max-rays", "16", "--shard", "1/1", "--cache", "part", "-o", "a.exr"]].concat());
     let part = folder.list("part").into_iter().find(|name| name.ends_with(".part.json")).unwrap();
     let mut share: Value = serde_json::from_str(&folder.text(&format!("part/{part}"))).unwrap();
@@ -330,7 +330,7 @@ fn a_page_over_runs_shows_no_file_that_a_link_brings() {
     folder.succeed(&["merge", "part", "-o", "runs/b"]);
     let printed = folder.succeed(&["index", "runs", "-o", "page"]);
     assert!(
-        printed.contains("left out: a: ") && printed.contains("leads out of its folder") && printed.contains("1 runs"),
+        printed.contains("left out: a: ") && printed.contains("leads out of its folder") && printed.contains("1 run,"),
         "{printed}"
     );
 }

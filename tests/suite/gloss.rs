@@ -55,18 +55,18 @@ fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
     image.color.iter().map(Vec3::to_array).collect()
 }
 
-/// In four cases of view and roughness, the error of `unified` against the reference of 48 samples is below 0.65 of the
-/// error of `ssct`.
+/// In four cases of view and roughness, the error of `unified` against the reference of 48 samples is below 0.36 of the
+/// error of `ssct`. It is 0.23 to 0.33 of it.
 #[test]
 fn its_error_is_a_fraction_of_the_thesis_method_s() {
     let gpu = gpu();
     for (view, roughness) in [("corridor", 0.05), ("corridor", 0.1), ("ceiling", 0.3), ("ceiling", 0.6)] {
-        let data = gbuffer(&gpu, view, [321, 181], roughness, 1.0, 0.0);
+        let data = gbuffer(&gpu, view, [193, 109], roughness, 1.0, 0.0);
         let (truth, mask) = (reference(&data, 48), mask(&data));
         let [ours, thesis] =
             ["unified", "ssct"].map(|m| masked_rmse(&truth, &colors(&reflection(&gpu, &data, m)), &mask));
         println!("{view}, roughness {roughness}: unified {ours:.4}, ssct {thesis:.4}, {:.3}", ours / thesis);
-        assert!(ours < 0.65 * thesis, "{view}, {roughness}: {ours} against {thesis}");
+        assert!(ours < 0.36 * thesis, "{view}, {roughness}: {ours} against {thesis}");
     }
     gpu.check_validation().unwrap();
 }
@@ -109,7 +109,7 @@ fn a_small_move_of_the_camera_changes_little() {
     // scene's own, since its samples belong to the pixel and their noise stays. The thesis's cone takes one ray, and
     // sets the bound.
     let gpu = gpu();
-    for roughness in [0.05, 0.1, 0.4] {
+    for roughness in [0.05, 0.4] {
         let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside));
         // Pixels that show one surface in both images.
         let still: Vec<bool> = (0..a.depth.len())

@@ -337,9 +337,11 @@ fn methods_that_need_a_perspective_say_so() {
 #[test]
 fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     let folder = Folder::new();
+    folder.write_boards(".", &["ahead", "again"]);
     let (eye, beside) = ("1,0,-3", "1,-0.5,0");
     let aimed = ["--eye", eye, "--look-at", beside];
-    let few = ["--scene", "rooms", "--size", "16x16", "--roughness", "0", "--capture-side", "128", "--json"];
+    let scene = ["--scene", "boards.scene.toml", "--size", "16x16"];
+    let few = [&scene[..], &["--roughness", "0", "--capture-side", "128", "--json"]].concat();
     for (command, taken) in [
         ([&["time", "--samples", "1", "--warmup", "0"], &aimed[..]].concat(), 6),
         ([&["error", "--no-sweep", "--samples", "1", "--rays", "2"], &aimed[..]].concat(), 6),

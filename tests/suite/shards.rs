@@ -1,6 +1,7 @@
 //! Tests studies divided among machines: each shard is a run of its own, and the merged shards are the study that one
 //! machine would have measured.
 
+use crate::common::folder::boards;
 use crate::common::hang::wait_until;
 use serde_json::Value;
 use ssct_lab::study::journal::scene_digest;
@@ -194,8 +195,7 @@ fn merged_shards_of_an_error_study_are_the_study() {
 #[test]
 fn what_does_not_belong_together_is_not_merged() {
     let folders = Folders::new();
-    let study =
-        ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--samples", "1"];
+    let study = ["error", "--scene", boards(), "--view", "ahead", "--no-sweep", "--size", "48x27", "--samples", "1"];
     let command = |more: &[&'static str]| [&study[..], more].concat();
     let base = command(&["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]);
     folders.shard(&base, 1, 2);
@@ -203,9 +203,9 @@ fn what_does_not_belong_together_is_not_merged() {
     let [a, b, other, to] = ["1", "2", "other", "to"].map(|name| folders.name(name));
     let merge = |b: &str| refused(&["merge", &a, b, "-o", &to]);
     for (more, part) in [
-        (["--method", "ssct", "--rays", "5", "--roughness", "0,0.1"], "the setup of its cell corridor"),
-        (["--method", "hzct", "--rays", "4", "--roughness", "0,0.1"], "the setup of its cell corridor"),
-        (["--method", "ssct", "--rays", "4", "--roughness", "0,0.2"], "it has no cell corridor"),
+        (["--method", "ssct", "--rays", "5", "--roughness", "0,0.1"], "the setup of its cell boards"),
+        (["--method", "hzct", "--rays", "4", "--roughness", "0,0.1"], "the setup of its cell boards"),
+        (["--method", "ssct", "--rays", "4", "--roughness", "0,0.2"], "it has no cell boards"),
     ] {
         let _ = std::fs::remove_dir_all(&other);
         run_successfully(&[&command(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
@@ -286,7 +286,7 @@ fn divided(command: &[&str], records: &str) -> Folders {
 /// are compared on one machine.
 #[test]
 fn times_are_divided_by_size_and_roughness() {
-    let study = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
+    let study = ["time", "--scene", boards(), "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
     let folders = divided(&[&study[..], &["--method", "ssct,unified"]].concat(), "time.json");
     let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
     assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
@@ -314,7 +314,7 @@ fn of_another_device(folder: &Path) {
 /// two devices cannot be compared, so a merge that mixed them would be wrong.
 #[test]
 fn times_of_two_devices_stay_apart() {
-    let study = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
+    let study = ["time", "--scene", boards(), "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
     let folders = Folders::new();
     for n in [1, 2] {
         folders.shard(&study, n, 2);
@@ -338,8 +338,7 @@ fn times_of_two_devices_stay_apart() {
     let (status, ..) = run(&["compare", &folders.name(apart[1]), &a]);
     assert_ne!(status, Some(0), "nothing is compared between devices");
 
-    let error =
-        ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--samples", "1"];
+    let error = ["error", "--scene", boards(), "--view", "ahead", "--no-sweep", "--size", "48x27", "--samples", "1"];
     let error = [&error[..], &["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]].concat();
     let folders = Folders::new();
     for n in [1, 2] {
@@ -359,14 +358,13 @@ fn times_of_two_devices_stay_apart() {
 #[test]
 fn other_studies_are_divided_too() {
     divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
-    let small = ["--scene", "corridor", "--view", "corridor", "--size", "16x9", "--rays", "2", "--method", "ssct"];
+    let small = ["--scene", boards(), "--view", "ahead", "--size", "16x9", "--rays", "2", "--method", "ssct"];
     let study = |kind: &[&'static str]| [kind, &small].concat();
     divided(&study(&["video", "--way", "rest", "--frames", "2", "--roughness", "0,0.1"]), "video.json");
-    let age =
-        ["age", "--scene", "rooms", "--view", "corridor", "--size", "16x9", "--rays", "2", "--roughness", "0,0.1"];
+    let age = ["age", "--scene", boards(), "--view", "ahead", "--size", "16x9", "--rays", "2", "--roughness", "0,0.1"];
     let moves = [
         "--moving",
-        "ball",
+        "wall",
         "--step",
         "0.1,0,0",
         "--frames",
@@ -384,7 +382,7 @@ fn other_studies_are_divided_too() {
 
     let folders = Folders::new();
     let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
-    let figures = ["figures", "--only", "4.1,4.6,schmidt-27", "--size", "48x27"];
+    let figures = ["figures", "--only", "4.1,4.6,thesis-4.4", "--size", "48x27"];
     run_successfully(&[&figures[..], &["-o", &whole]].concat());
     for n in [1, 2] {
         folders.shard(&figures, n, 2);
@@ -403,7 +401,7 @@ fn other_studies_are_divided_too() {
 fn a_reference_is_divided_by_its_rays() {
     let folders = Folders::new();
     let [a, b, c, all, whole] = ["a", "b", "c", "all", "whole"].map(|name| folders.name(name));
-    let scene = ["render", "--method", "reference", "--scene", "corridor", "--size", "24x16", "--roughness", "0.3"];
+    let scene = ["render", "--method", "reference", "--scene", boards(), "--size", "24x16", "--roughness", "0.3"];
     let render = [&scene[..], &["--max-rays", "200"]].concat();
     let image = |name: &str| folders.name(&format!("{name}.exr"));
     let (status, _, message) = run(&[&render[..], &["--shard", "1/3", "-o", &image("none")]].concat());
@@ -418,7 +416,7 @@ fn a_reference_is_divided_by_its_rays() {
     let message = refused(&["merge", &a, &study, "-o", &all]);
     assert!(message.contains(&format!("{a}: holds rays of a reference, and {study} a run")), "{message}");
     let message = refused(&["merge", &a, &c, "-o", &all]);
-    assert!(message.contains("samples 64 to 127 of corridor") && message.contains("are missing"), "{message}");
+    assert!(message.contains("samples 64 to 127 of boards") && message.contains("are missing"), "{message}");
     let printed = run_successfully(&["merge", &c, &a, &b, "-o", &all]);
     assert!(printed.contains("200 of 200 rays") && printed.contains(&format!("--cache {all} -o FILE")), "{printed}");
 
@@ -437,7 +435,7 @@ fn a_reference_is_divided_by_its_rays() {
     assert_eq!((status, message.as_str()), (Some(0), ""), "four groups of rays: the last shard has one");
     let (status, _, message) = run(&[&render[..], &["--shard", "1/9", "-o", &image("x"), "--cache", &a]].concat());
     assert!(status == Some(0) && message.contains("shard 1/9 has no rays"), "{message}");
-    let ssct = ["render", "--scene", "corridor", "--size", "24x16", "--shard", "1/2", "--cache", &a, "-o"];
+    let ssct = ["render", "--scene", boards(), "--size", "24x16", "--shard", "1/2", "--cache", &a, "-o"];
     let (status, _, message) = run(&[&ssct[..], &[&image("x")]].concat());
     assert!(status == Some(2) && message.contains("--method reference"), "{message}");
 }

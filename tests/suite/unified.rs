@@ -277,7 +277,7 @@ fn hits_on_the_views_of_the_built_in_scenes_are_the_oracles() {
     let gpu = gpu();
     let _compiled = compiled(&gpu);
     for name in library::names() {
-        check_views(&gpu, &crate::common::built_in(name), &[[321, 239]]);
+        check_views(&gpu, &crate::common::built_in(name), &[[193, 143]]);
     }
     check_validation(&gpu).unwrap();
 }

@@ -58,8 +58,10 @@ struct ImpostorCanvas<'a> {
     impostor: &'a Impostor,
     /// Numbers of columns and rows of samples.
     size: [u32; 2],
-    /// The linear value of each sRGB byte.
-    decoded: [f32; 256],
+    /// The linear value of each byte of an image in sRGB.
+    srgb_values: [f32; 256],
+    /// The value of each byte of an image that is linear.
+    linear_values: [f32; 256],
     /// Unit normal of the rectangle.
     normal: Vec3,
 }
@@ -87,8 +89,15 @@ struct HighestTriangle<'a> {
 impl<'a> ImpostorCanvas<'a> {
     /// Makes a canvas of `size` samples (columns and rows) over the rectangle of an impostor.
     fn new(scene: &'a Scene, impostor: &'a Impostor, size: [u32; 2]) -> Self {
-        let decoded = std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0));
-        Self { scene, impostor, size, decoded, normal: impostor.normal() }
+        let linear_values: [f32; 256] = std::array::from_fn(|byte| byte as f32 / 255.0);
+        Self {
+            scene,
+            impostor,
+            size,
+            srgb_values: linear_values.map(srgb_to_linear),
+            linear_values,
+            normal: impostor.normal(),
+        }
     }
 
     /// Draws the meshes, and returns the linear colour of each sample, row by row, or `None` where no triangle covers
@@ -168,17 +177,24 @@ impl<'a> ImpostorCanvas<'a> {
         // The side of the square in texture coordinates whose area is that of one sample.
         let footprint = ((b - a).perp_dot(c - a) / triangle.area).abs().sqrt();
         let uv = triangle.uv(*weights);
-        let image = material.albedo_map.map_or(Vec4::ONE, |t| self.average(&self.scene.textures[t], uv, footprint));
+        let image = material.albedo_map.map_or(Vec3::ONE, |t| self.average(&self.scene.textures[t], uv, footprint));
         let position = triangle.mix(*weights, |v| Vec3::from(v.position));
         let normal = triangle.mix(*weights, |v| Vec3::from(v.normal)).normalize_or(self.normal);
         let towards_viewer = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
-        let shading: f32 = self.scene.lights.iter().map(|light| light.shading(position, towards_viewer)).sum();
-        material.albedo * image.truncate() * (0.2 + 0.8 * shading.min(1.0))
+        let mut shading = 0.0;
+        for light in &self.scene.lights {
+            shading += light.shading(position, towards_viewer);
+            // No light takes anything away, and more than 1 counts as 1.
+            if shading >= 1.0 {
+                break;
+            }
+        }
+        material.albedo * image * (0.2 + 0.8 * shading.min(1.0))
     }
 
-    /// Returns the mean of an image over a square around `uv` with sides of `footprint`, both in texture coordinates,
+    /// Returns the mean colour of an image over a square around `uv` with sides of `footprint`, both in texture coordinates,
     /// from at most [`FOOTPRINT_MAX`]² texels. The image repeats, and its values come decoded: linear and from 0 to 1.
-    fn average(&self, texture: &Texture, uv: Vec2, footprint: f32) -> Vec4 {
+    fn average(&self, texture: &Texture, uv: Vec2, footprint: f32) -> Vec3 {
         let size = Vec2::new(texture.width as f32, texture.height as f32);
         let count = (footprint * size.max_element()).round().clamp(1.0, FOOTPRINT_MAX) as i32;
         let corner = uv * size - 0.5 * (count - 1) as f32;
@@ -186,15 +202,18 @@ impl<'a> ImpostorCanvas<'a> {
         let first = [(corner.x.floor() as i32).rem_euclid(width), (corner.y.floor() as i32).rem_euclid(height)];
         // Most texels lie inside the image and need no division, which would take longer than the rest.
         let wrapped = |texel: i32, size: i32| if texel < size { texel } else { texel % size };
-        let mut sum = Vec4::ZERO;
+        let decoded = match texture.encoding {
+            Encoding::Srgb => &self.srgb_values,
+            Encoding::Linear => &self.linear_values,
+        };
+        let mut sum = Vec3::ZERO;
         for y in 0..count {
+            let row = (wrapped(first[1] + y, height) * width) as usize;
             for x in 0..count {
-                let [column, row] = [wrapped(first[0] + x, width), wrapped(first[1] + y, height)];
-                let texel = &texture.rgba[4 * (row * width + column) as usize..][..4];
-                sum += match texture.encoding {
-                    Encoding::Srgb => Vec4::from_array([0, 1, 2, 3].map(|i| self.decoded[usize::from(texel[i])])),
-                    Encoding::Linear => Vec4::from_array([0, 1, 2, 3].map(|i| f32::from(texel[i]) / 255.0)),
-                };
+                let texel = 4 * (row + wrapped(first[0] + x, width) as usize);
+                if let [r, g, b] = texture.rgba[texel..texel + 3] {
+                    sum += Vec3::new(decoded[usize::from(r)], decoded[usize::from(g)], decoded[usize::from(b)]);
+                }
             }
         }
         sum / (count * count) as f32

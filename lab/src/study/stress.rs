@@ -117,13 +117,20 @@ impl WrongPixels {
         let mut wrong = Self::default();
         let pixels = images.first().map_or(0, |p| p.values.len() / p.channels);
         for pixel in 0..pixels {
-            let checked_images = images.iter().enumerate().filter(|(n, _)| is_checked(*n, pixel));
-            let channels =
-                checked_images.flat_map(|(_, image)| &image.values[pixel * image.channels..][..image.channels]);
-            let kinds: Vec<WrongKind> = channels.filter_map(|v| wrong_kind(*v)).collect();
-            wrong.nan += usize::from(kinds.contains(&WrongKind::Nan));
-            wrong.inf += usize::from(kinds.contains(&WrongKind::Infinite));
-            wrong.negative += usize::from(kinds.contains(&WrongKind::Negative));
+            let mut has = [false; 3];
+            for (n, image) in images.iter().enumerate() {
+                if !is_checked(n, pixel) {
+                    continue;
+                }
+                for value in &image.values[pixel * image.channels..][..image.channels] {
+                    if let Some(kind) = wrong_kind(*value) {
+                        has[kind as usize] = true;
+                    }
+                }
+            }
+            wrong.nan += usize::from(has[WrongKind::Nan as usize]);
+            wrong.inf += usize::from(has[WrongKind::Infinite as usize]);
+            wrong.negative += usize::from(has[WrongKind::Negative as usize]);
         }
         wrong
     }

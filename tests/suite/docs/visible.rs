@@ -127,20 +127,20 @@ fn runs_named(name: &str, text: &str) -> Vec<PathBuf> {
 /// compared with today's.
 #[test]
 fn no_record_against_an_older_reference_is_quoted() {
-    let (mut older, mut count) = (Vec::new(), 0);
+    // The files of runs, each with a page that names it.
+    let mut quoted = BTreeMap::new();
     for (name, text) in pages() {
         for path in runs_named(&name, &text) {
             // A picture shows the records in its folder.
             let folder = if path.is_dir() { path.clone() } else { path.parent().unwrap().to_owned() };
-            for file in files(&folder) {
-                count += 1;
-                let failure = read(&file, "").err().filter(|failure| failure.words.contains("older reference"));
-                older.extend(failure.map(|failure| format!("{name}: {failure}")));
-            }
+            quoted.extend(files(&folder).into_iter().map(|file| (file, name.clone())));
         }
     }
-    older.sort();
-    older.dedup();
+    let older = quoted.iter().filter_map(|(file, name)| {
+        let failure = read(file, "").err().filter(|failure| failure.words.contains("older reference"))?;
+        Some(format!("{name}: {failure}"))
+    });
+    let older: Vec<String> = older.collect();
     assert!(older.is_empty(), "quoted, but older than today's references:\n{}", older.join("\n"));
-    assert!(count > 100, "only {count} files of runs are quoted");
+    assert!(quoted.len() > 100, "only {} files of runs are quoted", quoted.len());
 }

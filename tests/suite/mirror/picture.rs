@@ -105,7 +105,7 @@ fn differing(a: &Pixels, b: &Pixels) -> [f64; 2] {
 #[test]
 fn split_combined_and_with_hits_give_the_same_reflection() {
     let gpu = gpu();
-    let extent = [321, 239];
+    let extent = [161, 119];
     for method in methods::METHODS.iter().filter(|m| m.is_screen_space()) {
         for (preset, roughness) in [(Preset::Published, 0.0), (Preset::Published, 0.3), (Preset::Author, 0.1)] {
             let globals = Globals { roughness: Some(roughness), ..Globals::default() };

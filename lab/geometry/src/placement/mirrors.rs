@@ -17,6 +17,8 @@ pub const PIXEL_RADIANS: f64 = 0.0028;
 const ENDS: usize = 4096;
 /// Greatest number of paths that are tried.
 const TRIES: u64 = 16 * ENDS as u64;
+/// Number of paths after which the search asks whether there are enough ends. It divides [`TRIES`].
+const TRIED_AT_ONCE: usize = 4096;
 /// Greatest sine of the angle between a ray of the eye and the horizontal, as in an image of 74° from a level camera.
 const PITCH_SINE: f64 = 0.65;
 /// The cosine of about 46°. An end at a smaller angle from the direction in which the eye sees the mirror counts as on
@@ -46,13 +48,17 @@ pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     stands.iter().for_each(|stand| sums.push(sums.last().unwrap_or(&0.0) + stand.weight));
     let Some(total) = sums.last().copied() else { return Vec::new() };
     let stand = |share: f64| &stands[sums.partition_point(|sum| *sum <= share * total).min(stands.len() - 1)];
-    let mut ends: Vec<MirrorEnd> = (0..TRIES)
-        .into_par_iter()
-        .filter_map(|index| {
+    let mut ends: Vec<MirrorEnd> = Vec::new();
+    for first in (0..TRIES).step_by(TRIED_AT_ONCE) {
+        let paths = (first..first + TRIED_AT_ONCE as u64).into_par_iter();
+        ends.par_extend(paths.filter_map(|index| {
             let random = Stream::new(SEED, index);
             end_of_path(triangles, stand(random.uniform(0)).eye, &random)
-        })
-        .collect();
+        }));
+        if ends.len() >= ENDS {
+            break;
+        }
+    }
     ends.truncate(ENDS);
     ends
 }
