@@ -2,8 +2,8 @@
 //!
 //! The module `space` finds where people can stand: on floors, between walls or under roofs. The module `mirrors`
 //! samples what people see in mirrors by paths: from an eye to a surface, and from there along the mirror ray to its
-//! end. A greedy search then takes captures one after another, each time the capture that shows the most ends that no
-//! earlier one shows. Random numbers are computed from counters, so that the places depend on the scene alone.
+//! end. A greedy search then takes captures one after another, each time the capture that shows ends better than the
+//! earlier ones by the most. Random numbers are computed from counters, so that the places depend on the scene alone.
 
 mod mirrors;
 mod space;

@@ -8,7 +8,8 @@ use crate::study::age::AgeStudy;
 use crate::study::stress::JUDGED;
 use clap::Args;
 use glam::Vec3;
-use ssct::methods;
+use ssct::methods::setup::CaptureCount;
+use ssct::methods::{self, EffectParams, Setup};
 use ssct_scenes::capture::MAX_CAPTURES;
 
 /// Options of `ssct age`.
@@ -18,7 +19,8 @@ pub struct AgeOptions {
     pub common: CommonOptions,
     /// Methods that follow rays in captures
     ///
-    /// Without it, the method unified is measured.
+    /// Without it, the method unified is measured. Unless --captures, --beyond or --fallback is given, it has as many captures
+    /// as --captures auto.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
     /// Widths and heights in pixels; by default 480x270
@@ -65,7 +67,7 @@ impl StudyOptions for AgeOptions {
         let scene = resolve::scene(place, "museum")?;
         let view = resolve::view(&scene, place, None)?;
         let sizes = resolve::distinct_values_or(&self.size, [480, 270]);
-        let setup = self.common.method_options.setup(sizes[0]);
+        let setup = with_captures(self.common.method_options.setup(sizes[0]));
         let names = if self.method.is_empty() { vec![JUDGED.to_owned()] } else { self.method.clone() };
         let methods = resolve::leave_out_lacking(methods::choose(&names, &setup)?, |method| method, &[&scene])?;
         if setup.values.given_names().any(|name| name == "captures_per_frame") {
@@ -88,5 +90,38 @@ impl StudyOptions for AgeOptions {
         };
         study.check()?;
         Ok(study)
+    }
+}
+
+/// Returns the setup with as many captures as the scene needs, unless options say where rays go on that the screen
+/// loses: without captures there is no age to measure.
+fn with_captures(setup: Setup) -> Setup {
+    let is_given = setup.values.given_names().any(|name| ["captures", "beyond", "fallback"].contains(&name));
+    if is_given { setup } else { setup.with(|effect: &mut EffectParams| effect.captures = CaptureCount::Auto) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    /// The command line of one `ssct age`, without the options that every study has.
+    #[derive(Parser)]
+    struct Age {
+        #[command(flatten)]
+        options: AgeOptions,
+    }
+
+    #[test]
+    fn without_a_number_of_captures_the_study_has_as_many_as_the_scene_needs() {
+        let study = |more: &[&str]| {
+            let words = ["age", "--scene", "rooms", "--moving", "ball", "--step", "0.1,0,0"];
+            Age::try_parse_from(words.into_iter().chain(more.iter().copied())).expect("arguments").options.study()
+        };
+        let captures = |more: &[&str]| study(more).expect("a study").setup.effect().captures;
+        assert_eq!(captures(&[]), CaptureCount::Auto);
+        assert_eq!(captures(&["--captures", "2"]), CaptureCount::Number(2));
+        assert_eq!(captures(&["--fallback", "captures", "--method", "ssct"]), CaptureCount::None);
+        assert!(study(&["--captures", "none"]).is_err());
     }
 }

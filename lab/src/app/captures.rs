@@ -22,8 +22,8 @@ use std::path::{Path, PathBuf};
 pub struct CapturesOptions {
     /// Scene (rooms, atrium, street, …) or file (glTF, OBJ)
     ///
-    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A file is a .scene.toml, a glTF file
-    /// (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
+    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor, and cornell-box, which is for a figure
+    /// alone. A file is a .scene.toml, a glTF file (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
     #[arg(value_name = "NAME|FILE", required = true)]
     scene: Vec<PathBuf>,
     /// Factor on the scene's coordinates

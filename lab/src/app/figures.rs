@@ -68,7 +68,7 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
         Err(why) => format!("{} left out: {}\n", one_line(&e.stem), one_line(why)),
     };
     let mut text: String = entries.iter().map(line).collect();
-    let written = write_page(&folder, &entries, gpu.info(), &command(options));
+    let written = write_page(&folder, &entries, gpu.info(), &command(options, &options.only.join(",")));
     let made = entries.iter().filter(|e| e.file.is_ok()).count();
     let made_all = run.outcome_with_journal(outcome);
     let finished = if made_all.is_ok() && written.is_ok() {
@@ -148,7 +148,7 @@ fn cell_list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>)
     let head = CellListHead {
         kind: "figures",
         definitions: DEFINITIONS,
-        command: command(options),
+        command: command(options, &options.only.join(",")),
         shard: options.shard,
         settings: Value::Null,
         scenes: Vec::new(),
@@ -203,7 +203,7 @@ fn make_figure(
         print: plate.print.to_owned(),
         differs: plate.differs(scene_file.is_some()).to_owned(),
         panels: panels.collect(),
-        command: format!("ssct figures{} --only {}", scene_option(options), plate.number),
+        command: command(options, plate.number),
     })
 }
 
@@ -255,11 +255,11 @@ fn group_by_document(entries: &[Entry]) -> Vec<Group> {
     documents.into_iter().filter_map(group).collect()
 }
 
-/// The command that makes all chosen figures, as the page shows it.
-fn command(options: &FiguresOptions) -> String {
+/// The command that makes the figures `only` as the options say, as the page shows it; all figures if `only` is empty.
+fn command(options: &FiguresOptions, only: &str) -> String {
     let mut command = format!("ssct figures{}", scene_option(options));
-    if !options.only.is_empty() {
-        command += &format!(" --only {}", options.only.join(","));
+    if !only.is_empty() {
+        command += &format!(" --only {only}");
     }
     if let Some([width, height]) = options.size {
         command += &format!(" --size {width}x{height}");
@@ -270,4 +270,29 @@ fn command(options: &FiguresOptions) -> String {
 /// The text ` --scene FILE` for a shown command; empty if the options name no scene file.
 fn scene_option(options: &FiguresOptions) -> String {
     scene_file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    /// The command line of one `ssct figures`.
+    #[derive(Parser)]
+    struct Figures {
+        #[command(flatten)]
+        options: FiguresOptions,
+    }
+
+    #[test]
+    fn the_command_of_one_figure_has_the_scene_and_the_size_that_were_given() {
+        let command_of_figure = |arguments: &[&str]| {
+            let words = ["figures"].into_iter().chain(arguments.iter().copied());
+            command(&Figures::try_parse_from(words).expect("arguments").options, "4.5")
+        };
+        assert_eq!(command_of_figure(&["--only", "4.5,5.2"]), "ssct figures --only 4.5");
+        let given = ["--scene", "my rooms.gltf", "--only", "4.5,5.2", "--size", "64x36"];
+        let expected = "ssct figures --scene \"my rooms.gltf\" --only 4.5 --size 64x36";
+        assert_eq!(command_of_figure(&given), expected);
+    }
 }

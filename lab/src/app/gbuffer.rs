@@ -44,6 +44,7 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
 /// Runs a method on the G-buffer of a file, and writes the image.
 fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::check_extension(&options.output)?;
+    check_is_no_input(&options.output, [Some(&*options.file), options.gbuffer_map.as_deref()])?;
     let method = methods::find(&options.method)?;
     let mut data = load(&options.file, options.gbuffer_map.as_deref())?;
     let clamped = data.clamp_colours();
@@ -78,6 +79,7 @@ fn for_one_image(setup: Setup) -> Setup {
 /// Reads another renderer's G-buffer by a map, and writes it in our conventions.
 fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
     check_is_exr(&options.output)?;
+    check_is_no_input(&options.output, [Some(&*options.file), Some(&*options.gbuffer_map)])?;
     let data = load(&options.file, Some(&options.gbuffer_map))?;
     files::write(&options.output, &gbuffer_file::encode(&data, &options.output)?)?;
     Ok(())
@@ -89,6 +91,16 @@ fn check_is_exr(path: &Path) -> Result<()> {
         return Ok(());
     }
     Err(Error::usage(format!("{}: a G-buffer is written as .exr", path.display())))
+}
+
+/// Refuses an output that is one of the files that are read, since writing would replace what cannot be made again.
+fn check_is_no_input(output: &Path, inputs: [Option<&Path>; 2]) -> Result<()> {
+    match inputs.into_iter().flatten().find(|input| resolve::is_same_place(input, output)) {
+        Some(_) => {
+            Err(Error::usage(format!("-o {}: this file is read, and would be lost; name another", output.display())))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Reads a G-buffer in our own conventions or in those of a map, and warns if its data contradict each other.
@@ -110,4 +122,21 @@ fn load(file: &Path, map: Option<&Path>) -> anyhow::Result<GBufferData> {
         eprintln!("ssct: warning: {}: {doubt}", super::printable(&file.display().to_string()));
     }
     Ok(data)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_that_is_an_input_is_refused_however_it_is_written() {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let [file, same, other] = ["Cargo.toml", "src/../Cargo.toml", "build.rs"].map(|name| package.join(name));
+        let refusal = |output: &Path, inputs| check_is_no_input(output, inputs).err().map(|e| e.to_string());
+        let said = refusal(&same, [Some(&*file), None]).unwrap_or_default();
+        assert!(said.ends_with("Cargo.toml: this file is read, and would be lost; name another"), "{said}");
+        assert!(refusal(&same, [Some(&*other), Some(&*file)]).is_some());
+        assert_eq!(refusal(&same, [Some(&*other), None]), None);
+        assert_eq!(refusal(&package.join("new.exr"), [Some(&*file), Some(&*other)]), None);
+    }
 }

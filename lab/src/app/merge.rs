@@ -4,7 +4,7 @@ use super::cli::MergeOptions;
 use super::merger::{Merger, Merging, wrong_journal};
 use super::printed;
 use super::run::Run;
-use super::{figures, reference_part, studies};
+use super::{figures, reference_part, resolve, studies};
 use crate::error::{Error, Result};
 use crate::report::devices::{by_device, device_name};
 use crate::report::html::{self, DeviceText, Entry};
@@ -38,7 +38,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         (None, _) => {}
     }
     let inputs = options.folders.iter().map(|folder| run_folder::read(folder)).collect::<Result<Vec<_>>>()?;
-    let is_output = |input: &MergeInput| same_folder(&input.folder, &options.output);
+    let is_output = |input: &MergeInput| resolve::is_same_place(&input.folder, &options.output);
     if let Some(input) = inputs.iter().find(|input| is_output(input)) {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
         return Err(Error::usage(message).into());
@@ -104,11 +104,6 @@ fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()
         folder.path().display(),
         folder.join(JOURNAL).path().display()
     )))
-}
-
-/// True if two paths lead to the same folder, which exists.
-fn same_folder(a: &Path, b: &Path) -> bool {
-    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
 /// The merger of figures, which are no study.

@@ -64,6 +64,11 @@ pub fn motion<'s>(scene: &'s Scene, name: Option<&str>, flag: &str) -> Result<&'
     })
 }
 
+/// True if two paths lead to the same file or folder, which exists.
+pub fn is_same_place(a: &Path, b: &Path) -> bool {
+    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
+}
+
 /// Loads a scene: the name of one that is built in, a scene file, a glTF file, or OBJ files.
 pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     let scale = options.scale;
@@ -91,7 +96,10 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
             }
             scene
         }
-        _ => return Err(Error::usage("--scene may repeat for OBJ files only".into())),
+        several => {
+            let names: Vec<_> = several.iter().map(|p| p.to_string_lossy()).collect();
+            return Err(Error::usage(format!("{}: only OBJ files make one scene together", names.join(", "))));
+        }
     };
     for warning in &scene.warnings {
         eprintln!("ssct: warning: {}", super::printable(warning));

@@ -26,6 +26,12 @@ macro_rules! studies {
         pub fn mergers() -> Vec<Merger> {
             [$( <$Options as measure::StudyOptions>::mergers() ),*].into_iter().flatten().collect()
         }
+
+        /// The names and meanings of the columns of each study's rows.
+        #[cfg(test)]
+        fn meanings() -> Vec<(String, &'static str)> {
+            [$( tests::meanings_of::<<$Options as measure::StudyOptions>::Study>() ),*].concat()
+        }
     };
 }
 
@@ -58,4 +64,27 @@ studies! {
     /// It compiles the programs that methods run and asks the driver for registers, instructions and occupancy. Nothing is
     /// drawn, so that a driver without its hardware is enough.
     Shaders(shaders::ShadersOptions),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::meanings;
+    use crate::study::columns::Columns;
+    use crate::study::complaints::ComplaintStudy;
+    use crate::study::engine::Study;
+
+    /// Returns the names and meanings of the columns of a study's rows; a column without a name has its header.
+    pub(super) fn meanings_of<S: Study>() -> Vec<(String, &'static str)> {
+        let columns = <S::Row as Columns>::columns().columns.into_iter();
+        columns.map(|c| (if c.name.is_empty() { c.title } else { c.name }, c.about)).collect()
+    }
+
+    #[test]
+    fn the_meaning_of_a_column_is_in_words_and_names_nothing_of_the_source() {
+        let all = [meanings(), meanings_of::<ComplaintStudy>()].concat();
+        assert!(all.iter().filter(|(_, about)| !about.is_empty()).count() > 30, "{all:?}");
+        for (column, about) in all {
+            assert!(!about.contains("[`") && !about.contains("::"), "{column}: {about}");
+        }
+    }
 }

@@ -54,6 +54,10 @@ pub fn times_text(records: &[TimeComparison], all: bool) -> String {
     if both().any(|r| r.drift.is_some()) {
         text += "\nDrift: how much longer the scene passes took in B. They are the same work on both sides: the machine changed by as much.\n";
     }
+    // The scene passes of both sides give a drift wherever they are known to do the same work.
+    if both().any(|r| !r.counted && r.drift.is_none()) {
+        text += "\nDrift: none where the scene passes are not known to be the same work on both sides.\n";
+    }
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }

@@ -244,6 +244,9 @@ fn log_ticks(least: f64, most: f64) -> Vec<f64> {
     if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
 }
 
+/// Most ticks of an axis of frames.
+const MOST_FRAME_TICKS: usize = 11;
+
 /// Draws values over frames, from 0 up, with a line for each of `lines` and the given names of the axes.
 fn draw_lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
@@ -251,6 +254,8 @@ fn draw_lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Str
     let points = || lines.iter().flat_map(|l| &l.points);
     let last = points().map(|(frame, _)| *frame).fold(1.0, f64::max);
     let most = points().map(|(_, value)| *value).fold(1e-6, f64::max);
+    // Frames are whole numbers, and with no more ticks than frames each tick stands at one of them.
+    let most_ticks = (last as usize).saturating_add(1).min(MOST_FRAME_TICKS);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (WIDTH, 360 + legend)).into_drawing_area();
@@ -267,6 +272,7 @@ fn draw_lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Str
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
+            .x_labels(most_ticks)
             .x_label_formatter(&|x| format!("{x:.0}"))
             .x_desc(x_axis)
             .y_desc(y_axis)
@@ -398,6 +404,24 @@ mod tests {
         assert!(svg.contains(">\n0\n<"), "a tick says 0");
         assert!(!draw_cost_against_error(&points[1..], ["ms", "error"]).unwrap_or_default().contains(">\n0\n<"));
         assert!(draw_cost_against_error(&points[..1], ["ms", "error"]).is_ok());
+    }
+
+    #[test]
+    fn ticks_of_few_frames_are_whole_numbers_without_repeats() {
+        for (frames, expected) in [
+            (2, vec!["0", "1"]),
+            (4, vec!["0", "1", "2", "3"]),
+            (11, vec!["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10"]),
+            (25, vec!["0", "5", "10", "15", "20"]),
+        ] {
+            let points = (0..frames).map(|n| (f64::from(n), 0.05)).collect();
+            let svg = draw_lines(&[Line { name: "line".into(), points }], ["x", "y"]).unwrap_or_default();
+            // Only the axis of frames has numbers without a point.
+            let is_whole = |line: &&str| !line.is_empty() && line.chars().all(|c| c.is_ascii_digit());
+            let mut found: Vec<&str> = svg.lines().filter(is_whole).collect();
+            found.sort_by_key(|tick| tick.parse::<u32>().unwrap_or_default());
+            assert_eq!(found, expected);
+        }
     }
 
     #[test]

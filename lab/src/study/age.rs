@@ -153,12 +153,18 @@ impl AgeStudy {
         let effect = self.setup.effect();
         let uses_captures = |method: &MethodInfo| {
             // A screen-space method has captures only if the setup asks for them.
-            let has_captures = effect.captures.wanted().is_some() || !method.is_screen_space();
+            let has_captures = effect.captures_wanted().wanted().is_some() || !method.is_screen_space();
             effect.fallback == Fallback::Captures || method.takes_captures && has_captures
         };
         match self.methods.iter().find(|method| !uses_captures(method)) {
             Some(method) => {
-                let message = format!("the method {} has no captures whose age could be measured", method.name);
+                let remedy = if method.takes_captures {
+                    "captures must be auto or a number"
+                } else {
+                    "the fallback must be captures"
+                };
+                let message =
+                    format!("the method {} has no captures whose age could be measured; {remedy}", method.name);
                 Err(Error::usage(message))
             }
             None => Ok(()),
@@ -328,6 +334,36 @@ impl Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ssct::methods;
+    use ssct::methods::setup::{BeyondScreen, CaptureCount};
+
+    /// Returns what is said against a study of a method; empty if nothing is.
+    fn complaint(method: &str, change: fn(&mut EffectParams)) -> String {
+        let study = AgeStudy {
+            scene: Scene::default(),
+            view: View::default(),
+            methods: vec![methods::find(method).expect("a method")],
+            setup: Setup::new([16, 9]).with(change),
+            sizes: vec![[16, 9]],
+            globals: vec![Globals::default()],
+            moving: Vec::new(),
+            step_m: Vec3::ZERO,
+            faces: vec![0],
+            frames: 1,
+            rays: 2,
+        };
+        study.check().err().map(|e| e.to_string()).unwrap_or_default()
+    }
+
+    #[test]
+    fn a_method_without_captures_is_refused_with_what_it_needs() {
+        assert!(complaint("unified", |_| ()).ends_with("; captures must be auto or a number"));
+        assert!(complaint("ssct", |_| ()).ends_with("; the fallback must be captures"));
+        assert_eq!(complaint("unified", |effect| effect.captures = CaptureCount::Number(2)), "");
+        assert_eq!(complaint("unified", |effect| effect.beyond = BeyondScreen::Captures), "");
+        assert_eq!(complaint("ssct", |effect| effect.fallback = Fallback::Captures), "");
+        assert_eq!(complaint("captures", |_| ()), "");
+    }
 
     /// Compares the mean age with that of a list that keeps the frame in which each face was drawn last.
     #[test]

@@ -20,6 +20,7 @@ use ssct::gpu::DeviceInfo;
 use ssct_truth::metrics::bootstrap::{
     CONFIDENCE, MIN_SAMPLES, RESAMPLES, Ratio, Verdict, median_of_ratios, ratio_of_medians, samples_to_decide,
 };
+use std::collections::BTreeMap;
 
 /// The name under which the sum of a frame's counted passes is compared.
 pub const TOTAL: &str = "total";
@@ -87,6 +88,9 @@ pub struct TimeComparison {
     /// Subject that was timed: scene, view, method and settings, as far as A and B have them in common.
     #[serde(flatten)]
     pub subject: Subject,
+    /// The values in which the subjects of A and B differ, by name: first that of A, then that of B. Tables show both.
+    #[serde(skip)]
+    pub differing: BTreeMap<String, [String; 2]>,
     /// The method of A, and the settings in which it differs from B, where two settings are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub setting_a: Option<String>,
@@ -129,7 +133,7 @@ pub struct TimeComparison {
     /// About how many samples would decide an undecided verdict; null if the number is too large to foretell.
     pub samples_to_decide: Option<u64>,
     /// How much longer the scene passes of B took than those of A, which do the same work, as a share. Null if the files have
-    /// no times of scene passes.
+    /// no times of scene passes, or if these are not known to do the same work.
     pub drift: Option<f64>,
     /// How the interval was found and judged.
     #[serde(flatten)]
@@ -172,6 +176,7 @@ impl<'a> Comparison<'a> {
         TimeComparison {
             head: CompareHead::new("compare", &self.a.name, &self.b.name),
             subject: subject.clone(),
+            differing: BTreeMap::new(),
             setting_a: None,
             setting_b: None,
             pass: in_a.or(in_b).map(|s| s.pass.clone()).unwrap_or_default(),
@@ -203,13 +208,21 @@ impl<'a> Comparison<'a> {
     }
 
     /// Makes a record of each pass that A or B has, in A's order; passes of B alone come last. `a` and `b` have the
-    /// samples of the passes on each side.
-    fn records(&self, subject: &Subject, [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
-        let passes_of_a = a.iter().map(|s| self.record(subject, [Some(s), find(b, s)], paired));
+    /// samples of the passes on each side, of the two `subjects`.
+    fn records(&self, subjects: [&Subject; 2], [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
+        let [subject_a, subject_b] = subjects;
+        let common = subject_a.common(subject_b);
+        let differing = subject_a.differing_values(subject_b);
+        let passes_of_a = a.iter().map(|s| self.record(&common, [Some(s), find(b, s)], paired));
         let only_in_b = b.iter().filter(|s| find(a, s).is_none());
-        let all = passes_of_a.chain(only_in_b.map(|s| self.record(subject, [None, Some(s)], paired)));
-        let drift = drift([a, b]);
-        all.map(|record| TimeComparison { drift: drift.filter(|_| record.only_in.is_none()), ..record }).collect()
+        let all = passes_of_a.chain(only_in_b.map(|s| self.record(&common, [None, Some(s)], paired)));
+        let drift = drift([a, b]).filter(|_| subject_a.is_same_work(subject_b));
+        let with_sides = |record: TimeComparison| TimeComparison {
+            drift: drift.filter(|_| record.only_in.is_none()),
+            differing: differing.clone(),
+            ..record
+        };
+        all.map(with_sides).collect()
     }
 }
 
@@ -237,9 +250,9 @@ fn ratio(sides: [Option<&Samples>; 2], paired: bool) -> Option<(Ratio, usize)> {
     Some((ratio_of_medians(&a.ms, &b.ms, SEED)?, a.ms.len().min(b.ms.len())))
 }
 
-/// Returns how much longer the passes that do not count took in B than in A, as a share. These passes draw the scene,
-/// which is the same work on both sides, so that any difference comes from the machine. `None` if A and B have no such
-/// pass in common.
+/// Returns how much longer the passes that do not count took in B than in A, as a share. These passes draw the scene.
+/// Where this is the same work on both sides, any difference comes from the machine. `None` if A and B have no such pass
+/// in common.
 fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
     let draws_scene = |s: &&Samples| !s.counted && s.part_of.is_none() && s.pass != TOTAL;
     let in_both = a.iter().filter(draws_scene).filter_map(|s| Some([s, find(b, s)?]));
@@ -264,7 +277,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
         let in_b = all_of_b.iter().find(|of_b| of_b.subject == *subject);
         let passes_of_b = in_b.map_or(&[][..], |of_b| &of_b.passes);
         let differs = nearest(&all_of_b, subject).map(|b| subject.differences(b).join("; "));
-        for record in comparison.records(subject, [passes, passes_of_b], false) {
+        for record in comparison.records([subject, subject], [passes, passes_of_b], false) {
             let is_of_b = record.only_in == Some(Side::B);
             let differs = differs.clone().filter(|_| record.only_in.is_some());
             let list = if is_of_b { &mut only_in_b } else { &mut records };
@@ -274,7 +287,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let is_in_a = |subject: &Subject| all_of_a.iter().any(|of_a| of_a.subject == *subject);
     for SubjectSamples { subject, passes } in all_of_b.iter().filter(|of_b| !is_in_a(&of_b.subject)) {
         let differs = nearest(&all_of_a, subject).map(|a| a.differences(subject).join("; "));
-        let records_of_b = comparison.records(subject, [&[], passes], false).into_iter();
+        let records_of_b = comparison.records([subject, subject], [&[], passes], false).into_iter();
         only_in_b.extend(records_of_b.map(|record| TimeComparison { differs: differs.clone(), ..record }));
     }
     records.extend(only_in_b);

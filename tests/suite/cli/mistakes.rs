@@ -16,6 +16,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (vec!["paint"], 2, "paint"),
         (vec!["captures"], 2, "<NAME|FILE>"),
         (vec!["captures", "nowhere"], 2, "neither a built-in scene (rooms, atrium"),
+        (vec!["captures", "rooms", "atrium"], 2, "rooms, atrium: only OBJ files make one scene together"),
         (vec!["captures", "room.obj", "--captures", "9"], 2, "write auto, or a number from 1 to 8"),
         (
             vec!["captures", "room.obj", "--scale", "1e-6", "--write", "x.toml"],
@@ -28,7 +29,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (render(&["--scene", "missing.obj"]), 1, "missing.obj"),
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
         (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
-        (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
+        (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "room.obj, rooms: only OBJ files make one scene"),
         (aimed(&["--method", "magic"]), 2, no_method),
         (
             aimed(&["--method", "pccm", "--fallback", "pccm"]),

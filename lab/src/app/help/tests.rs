@@ -1,6 +1,7 @@
 use super::*;
 use ssct::methods;
 use ssct_ground::parameter::Parameters;
+use ssct_scenes::library;
 
 /// Columns of a terminal that every help has to fit.
 const COLUMNS: usize = 80;
@@ -108,6 +109,20 @@ fn the_long_help_has_every_option_under_its_heading() {
         let places: Vec<_> = found.iter().map(|h| text.find(&format!("\n{h}:\n")).expect(h)).collect();
         assert!(places.is_sorted(), "{path}: headings are printed in their order: {found:?}");
     }
+}
+
+#[test]
+fn every_list_of_the_built_in_scenes_has_all_of_them() {
+    let mut commands = Vec::new();
+    for (path, command) in arranged_leaves(false) {
+        let helps = command.get_arguments().filter_map(|a| Some(a.get_long_help()?.to_string()));
+        for list in helps.filter(|help| help.contains("built-in scenes are")) {
+            let missing: Vec<_> = library::every_name().filter(|name| !list.contains(name)).collect();
+            assert!(missing.is_empty(), "{path} lacks {missing:?}: {list}");
+            commands.push(path.clone());
+        }
+    }
+    assert!(["captures", "render"].iter().all(|name| commands.iter().any(|path| path == name)), "{commands:?}");
 }
 
 #[test]

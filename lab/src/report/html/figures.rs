@@ -71,7 +71,7 @@ impl FiguresPage<'_> {
         let header = page_header("Figures of the theses", Some(self.device), DEFINITIONS, &self.command, &parts);
         let body = html! {
             p {
-                "Every figure is made anew by this program. Pictures are embedded small, as JPEG; each links to "
+                "The figures on this page are made anew by this program. Pictures are embedded small, as JPEG; each links to "
                 "its file. Scenes are generated stand-ins for those in print, seen from similar places, except where a "
                 "figure says that its scene is that of the print."
             }

@@ -31,11 +31,29 @@ fn method_label(s: &Subject) -> String {
     if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
 }
 
+/// What stands between the values of A and of B in a column in which they differ.
+const BETWEEN_SIDES: &str = " / ";
+
 impl TimeComparison {
+    /// Returns a text for each of [`SUBJECT_COLUMNS`]. Where the sides differ, it has the texts of both.
+    fn subject_labels(&self) -> [String; 6] {
+        let [mut labels, labels_of_b] = [0, 1].map(|side| {
+            let mut subject = self.subject.clone();
+            subject.0.extend(self.differing.iter().map(|(name, values)| (name.clone(), values[side].clone())));
+            subject_labels(&subject)
+        });
+        for (label, label_of_b) in labels.iter_mut().zip(labels_of_b) {
+            if *label != label_of_b {
+                *label = format!("{label}{BETWEEN_SIDES}{label_of_b}");
+            }
+        }
+        labels
+    }
+
     /// Returns the labels of a row: one for each of [`SUBJECT_COLUMNS`], and the pass. In a comparison of two settings,
     /// the settings of A and of B stand in the columns of method and preset.
     pub fn labels(&self) -> [String; 7] {
-        let [place, size, roughness, normals, method, preset] = subject_labels(&self.subject);
+        let [place, size, roughness, normals, method, preset] = self.subject_labels();
         let [first, second] = match (&self.setting_a, &self.setting_b) {
             (Some(a), Some(b)) => [a.clone(), b.clone()],
             _ => [method, preset],
@@ -82,7 +100,8 @@ impl TimeComparison {
 /// Returns a note on the word "own", which stands for a value that no option set; `None` if no row of [`cells`] has the
 /// word.
 pub fn note_on_own(records: &[TimeComparison]) -> Option<&'static str> {
-    let has_own = |r: &TimeComparison| r.only_in.is_none() && subject_labels(&r.subject).iter().any(|s| s == NOT_SET);
+    let is_own = |label: &String| label.split(BETWEEN_SIDES).any(|value| value == NOT_SET);
+    let has_own = |r: &TimeComparison| r.only_in.is_none() && r.subject_labels().iter().any(is_own);
     records.iter().any(has_own).then_some("own: each material has its own value, since no option set one.")
 }
 

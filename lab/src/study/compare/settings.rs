@@ -185,14 +185,12 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
 /// Makes the records that compare two settings, each named by its method and the values in which it differs from the
 /// other. `paired` says that frames with the same number were timed in turn.
 fn compare_pair(comparison: &Comparison, [a, b]: [&SubjectSamples; 2], paired: bool) -> Vec<TimeComparison> {
-    let records = comparison.records(&a.subject.common(&b.subject), [&a.passes, &b.passes], paired).into_iter();
+    let records = comparison.records([&a.subject, &b.subject], [&a.passes, &b.passes], paired).into_iter();
     let [setting_a, setting_b] = [(a, b), (b, a)].map(|(one, other)| one.subject.difference_from(&other.subject, ""));
     let same_warning = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
     let warnings = same_warning.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
-    let is_same_work = a.subject.is_same_work(&b.subject);
     let with_settings = |record: TimeComparison| TimeComparison {
-        drift: record.drift.filter(|_| is_same_work),
         warning: warning.clone(),
         setting_a: Some(setting_a.clone()),
         setting_b: Some(setting_b.clone()),

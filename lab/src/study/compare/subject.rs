@@ -1,7 +1,10 @@
 //! Subjects: the scene, view, method and settings that a frame was drawn with; and the differences of two subjects.
 
+use crate::study::drift::has_triangle_gbuffer;
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
+use ssct::methods::{self, EffectParams};
+use ssct_ground::parameter::Parameters;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The subject of a frame: scene, view, method and everything that was set, by name. A setting that the method does not have,
@@ -12,7 +15,8 @@ pub struct Subject(pub BTreeMap<String, String>);
 /// Names of the values in which two subjects must be equal before their other differences are listed.
 const SCENE_VIEW_METHOD: [&str; 3] = ["scene", "view", "method"];
 
-/// Names of the values that decide how much work the passes that draw the scene do.
+/// Names of the values that decide how much work the passes that draw the scene do, besides those that decide which
+/// G-buffer they draw.
 const WORK: [&str; 8] = ["scene", "view", "width", "height", "fov_degrees", "near_m", "far_m", "orthographic_height_m"];
 
 /// Names of the values that are the place of a measurement. Methods and their parameters are compared within one place.
@@ -49,9 +53,18 @@ impl Subject {
         SCENE_VIEW_METHOD.iter().all(|name| self.get(name) == other.get(name))
     }
 
-    /// Whether the scene passes do the same work for both subjects.
+    /// Whether the scene passes are known to do the same work for both subjects.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        WORK.iter().all(|name| self.get(name) == other.get(name))
+        let has_triangles = |s: &Self| has_triangle_gbuffer(s.get("method"), |name| s.get(name).to_owned());
+        let is_same_gbuffer = has_triangles(self).zip(has_triangles(other)).is_some_and(|(a, b)| a == b);
+        is_same_gbuffer && WORK.iter().all(|name| self.get(name) == other.get(name))
+    }
+
+    /// Whether the subject's method reads a value. It reads all but some parameters of the effect around it.
+    fn reads(&self, name: &str) -> bool {
+        let is_of_effect = EffectParams::table().iter().any(|p| p.name == name);
+        let method = methods::find(self.get("method")).ok().filter(|_| is_of_effect);
+        method.is_none_or(|method| method.read_parameters().iter().any(|p| p.name == name))
     }
 
     /// Returns the names of the values in which two subjects differ.
@@ -68,6 +81,12 @@ impl Subject {
         };
         let difference = |name: &str| format!("{name} {} in A, {} in B", value(self, name), value(b, name));
         self.differing_names(b).into_iter().map(difference).collect()
+    }
+
+    /// Returns the values in which two subjects differ, by name, each as a pair.
+    pub(super) fn differing_values(&self, other: &Self) -> BTreeMap<String, [String; 2]> {
+        let values = |name: &str| (name.to_owned(), [self, other].map(|subject| subject.get(name).to_owned()));
+        self.differing_names(other).into_iter().map(values).collect()
     }
 
     /// Returns a subject with the values that are equal in both subjects.
@@ -90,7 +109,11 @@ impl Subject {
         // A parameter that only one of the two methods has is implied by the method's name. The values in PLACE
         // belong to no method, and are named even if one subject does not set them.
         let is_set_in_both = |name: &str| !self.get(name).is_empty() && !other.get(name).is_empty();
-        let is_named = |name: &&str| *name != "method" && (is_set_in_both(name) || PLACE.contains(name));
+        // Records have the parameters of the effect that the method does not read, too. Two settings of one method may
+        // differ in nothing else, so that they are told apart by these.
+        let has_same_method = self.get("method") == other.get("method");
+        let tells_apart = |name: &str| is_set_in_both(name) && (has_same_method || self.reads(name));
+        let is_named = |name: &&str| *name != "method" && (tells_apart(name) || PLACE.contains(name));
         self.differing_names(other)
             .into_iter()
             .filter(is_named)

@@ -323,3 +323,81 @@ fn a_selection_finds_the_column_of_a_lens_option() {
     let chosen = ["ssct --fov 90", "ssct --fov=90"].map(selection);
     assert!(settings(&wide, &wide, [&chosen[0], &chosen[1]], 0.05).is_ok());
 }
+
+/// Returns the records that compare two settings of one run, which has the samples of `runs`.
+fn between(runs: &[Run], chosen: [&str; 2]) -> Vec<TimeComparison> {
+    let samples = runs.iter().flat_map(|run| run.samples.clone()).collect();
+    let all = Run { name: "all".into(), device: None, samples };
+    let chosen = chosen.map(selection);
+    settings(&all, &all, [&chosen[0], &chosen[1]], 0.05).expect("both are there")
+}
+
+#[test]
+fn settings_that_draw_different_g_buffers_have_no_drift() {
+    let beyond = |method: &str, value: &str| with(run(method, 1.0), "beyond", value);
+    let runs = [beyond("ssct", "auto"), beyond("traced", "none"), beyond("unified", "auto"), beyond("unified", "none")];
+    for (chosen, is_same_work) in [
+        (["unified --beyond auto", "unified --beyond none"], false),
+        (["ssct", "unified --beyond auto"], false),
+        (["ssct", "traced"], false),
+        (["ssct", "unified --beyond none"], true),
+        (["traced", "unified --beyond auto"], true),
+    ] {
+        let records = between(&runs, chosen);
+        assert!(records.iter().all(|r| r.drift.is_some() == is_same_work), "{chosen:?}: {:?}", records[0].drift);
+    }
+    // With captures, a fallback or several bounces, rays do not go on among triangles.
+    for (name, value) in [("captures", "4"), ("captures", "auto"), ("fallback", "pccm"), ("bounces", "2")] {
+        let runs = [beyond("ssct", "auto"), with(beyond("unified", "auto"), name, value)];
+        assert!(between(&runs, ["ssct", "unified"]).iter().all(|r| r.drift.is_some()), "{name}");
+    }
+    // A file that is older than the parameter does not say what was drawn.
+    let old = run("unified", 1.0);
+    assert!(times(&old, &old, 0.05).iter().all(|r| r.drift.is_none()));
+}
+
+#[test]
+fn columns_show_both_values_where_settings_differ() {
+    let place = |roughness: &str, width: &str, view: &str| {
+        let set =
+            [("roughness", roughness), ("width", width), ("height", "9"), ("view", view), ("normal_deviation", "")];
+        set.into_iter().fold(run("ssct", 1.0), |run, (name, value)| with(run, name, value))
+    };
+    let runs =
+        [place("0", "16", "hall"), place("0.1", "16", "hall"), place("0", "32", "hall"), place("", "16", "window")];
+    let labels = |chosen: [&str; 2]| between(&runs, chosen)[0].labels();
+    let rough = labels(["ssct --roughness 0 --size 16x9", "ssct --roughness 0.1"]);
+    assert_eq!(rough[..4], ["rooms hall", "16x9", "0 / 0.1", "own"]);
+    assert_eq!(rough[4..6], ["ssct roughness 0", "ssct roughness 0.1"]);
+    let sizes = labels(["--size 16x9 --roughness 0", "--size 32x9 --roughness 0"]);
+    assert_eq!(sizes[..4], ["rooms hall", "16x9 / 32x9", "0", "own"]);
+    let views = labels(["--roughness 0.1 --view hall", "--roughness own --view window"]);
+    assert_eq!(views[..4], ["rooms hall / rooms window", "16x9", "0.1 / own", "own"]);
+}
+
+#[test]
+fn the_note_on_own_values_is_for_values_that_no_option_set() {
+    let of_deviation = |value: &str| with(with(run("ssct", 1.0), "normal_deviation", value), "roughness", "0.1");
+    let note = |values: [&str; 2]| {
+        let chosen = values.map(|value| format!("--normal-deviation {value}"));
+        let runs = values.map(|value| of_deviation(if value == "own" { "" } else { value }));
+        note_on_own(&between(&runs, [&chosen[0], &chosen[1]]))
+    };
+    assert_eq!(note(["0", "0.5"]), None);
+    assert!(note(["own", "0.5"]).is_some());
+}
+
+#[test]
+fn a_setting_is_named_by_the_parameters_that_its_method_reads() {
+    let beyond = |method: &str, value: &str| with(run(method, 1.0), "beyond", value);
+    let runs = [beyond("ssct", "auto"), beyond("unified", "none")];
+    let names = |runs: &[Run], chosen| {
+        let record = between(runs, chosen).remove(0);
+        [record.setting_a, record.setting_b].map(Option::unwrap_or_default)
+    };
+    assert_eq!(names(&runs, ["ssct", "unified"]), ["ssct", "unified beyond none"]);
+    // Two settings of one method keep the only names that tell them apart.
+    let runs = [beyond("ssct", "auto"), beyond("ssct", "none")];
+    let found = names(&runs, ["ssct --beyond auto", "ssct --beyond none"]);
+    assert_eq!(found, ["ssct beyond auto", "ssct beyond none"]);
+}

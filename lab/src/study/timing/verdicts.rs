@@ -64,8 +64,8 @@ fn about() -> String {
         "Each setting is beside the first, with which it was timed in turn: the median over the turns of B over A, from low to high \
          with {} % confidence. Floor is how far a setting strays from itself, if it was timed against itself; n is the samples of A and \
          of B, and normals the normal deviation. Drift is how much longer the scene passes, the same work, took in B: what differs by \
-         no more may be the machine's. UNDECIDED is neither: about as many samples as stand behind it may decide. ssct compare FOLDER \
-         compares any two, and shows the parts of passes.",
+         no more may be the machine's. It is a dash where the two sides draw different G-buffers. UNDECIDED is neither: about as many \
+         samples as stand behind it may decide. ssct compare FOLDER compares any two, and shows the parts of passes.",
         100.0 * CONFIDENCE
     )
 }
