@@ -18,7 +18,6 @@ use glam::Vec3;
 use ssct_ground::scene::capture::face_camera;
 use ssct_ground::scene::{Aabb, Camera, Capture, GBufferData, Material};
 use std::cell::Cell;
-use std::time::Instant;
 
 /// Near plane of the faces of a cube map, in metres.
 const NEAR_M: f32 = 0.01;
@@ -135,18 +134,15 @@ impl CaptureImages {
             let images = Self { is_shared: true, ..Self::of_images(places, &forward, [pyramid, normal, color]) };
             return Ok((images.with_bounds(scene.data.bounds()), cost));
         }
-        let (bytes_before, begun) = (context.gpu().allocated_bytes(), Instant::now());
-        let made = Self { is_shared: true, ..Self::new(context, scene, captures)? };
+        let (made, cost) = DrawingCost::measure(context, |context| Self::new(context, scene, captures))?;
+        let made = Self { is_shared: true, ..made };
         scene.data.keep_captures(DrawnCaptures {
             captures: captures.to_vec(),
             materials,
             pyramid: made.pyramid.clone(),
             normal: made.normal.clone(),
             color: made.color.clone(),
-            cost: DrawingCost {
-                time_ms: 1e3 * begun.elapsed().as_secs_f64(),
-                device_bytes: context.gpu().allocated_bytes().saturating_sub(bytes_before),
-            },
+            cost,
         });
         Ok((made, DrawingCost::default()))
     }

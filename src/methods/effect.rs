@@ -20,7 +20,6 @@ use crate::passes::{Captures, GBuffer};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use ssct_ground::scene::{Capture, ProjectionKind};
-use std::time::Instant;
 
 /// Faces of the capture at the camera, all of which each frame draws.
 const FACES_OF_A_CUBE: u32 = 6;
@@ -55,12 +54,13 @@ pub struct Effect {
     prepared: Prepared,
 }
 
-/// The cost of the images that a method makes of its scene once, outside of any frame: captures, cube maps, skies.
+/// The cost of what a method needs of its scene once, outside of any frame: captures, cube maps, skies, triangles. What
+/// several methods share counts in full for each of them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Prepared {
     /// Milliseconds on the host until the device was done, with the search for places of captures.
     pub time_ms: f64,
-    /// Bytes of device memory that these images take.
+    /// Bytes of device memory that all of this takes, without the images that every frame draws anew.
     pub device_bytes: u64,
     /// The places of the captures in which rays go on: x, y and z in world axes, in metres.
     pub captures: Vec<[f32; 3]>,
@@ -102,17 +102,15 @@ impl Effect {
             let (images, materials) = (None, Vec::new());
             CaptureSet { places, face, images, materials, renewal, follows_camera }
         });
-        // The device memory of before, and that of images which every frame draws anew, do not count as prepared.
-        let (mut unprepared_bytes, begun) = (context.gpu().allocated_bytes(), Instant::now());
         let triangles = triangles_for(context, info, &effect, scene)?;
-        let bytes_with_triangles = context.gpu().allocated_bytes();
         let mut made = Self::with_parts(context, info, setup, wants, (captures, triangles))?;
         let Some(scene) = scene else { return Ok(made) };
-        unprepared_bytes += context.gpu().allocated_bytes() - bytes_with_triangles;
-        let shared = made.prepare_at_cost(context, scene)?;
+        let (shared_captures, own) = DrawingCost::measure(context, |context| made.prepare_at_cost(context, scene))?;
+        let of_triangles = triangles.iter().flat_map(|reading| scene.data.triangle_costs(reading.queries));
+        let costs: Vec<_> = of_triangles.chain([own, shared_captures]).collect();
         made.prepared = Prepared {
-            time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64() + shared.time_ms,
-            device_bytes: context.gpu().allocated_bytes().saturating_sub(unprepared_bytes) + shared.device_bytes,
+            time_ms: placement_ms + costs.iter().map(|cost| cost.time_ms).sum::<f64>(),
+            device_bytes: costs.iter().map(|cost| cost.device_bytes).sum(),
             captures: if follows_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
             ray_structure_ms: triangles
                 .filter(|reading| reading.queries)

@@ -52,10 +52,10 @@ pub struct SceneData {
     /// Milliseconds that building the tree of moving meshes took; `None` once a frame has reported them.
     moving_ms: Cell<Option<f64>>,
     /// Built when rays are first followed among triangles, and again when a mesh moves for the first time.
-    triangle_geometry: OnceCell<TriangleGeometry>,
-    triangle_images: OnceCell<TriangleImages>,
+    triangle_geometry: OnceCell<(TriangleGeometry, DrawingCost)>,
+    triangle_images: OnceCell<(TriangleImages, DrawingCost)>,
     /// Built when rays first need it for ray queries, and again after a mesh has moved.
-    ray_structure: OnceCell<RayStructure>,
+    ray_structure: OnceCell<(RayStructure, DrawingCost)>,
     /// Whether shaders read triangles as storage blocks, and never as texels.
     triangles_as_blocks: bool,
     /// The results of [`Self::captures`] so far, by its argument.

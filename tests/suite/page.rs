@@ -108,6 +108,23 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
     assert_eq!(stars(&[silent(&record("ssct", 10.0, 0.5)), silent(&record("copy", 10.2, 0.5))]), ["ssct", "copy"]);
 }
 
+/// Each table says how many cells it averages. The oracle's table has mirrors alone, and would else claim as many cells as
+/// the world's.
+#[test]
+fn each_table_of_errors_says_how_many_cells_it_averages() {
+    let rough = |roughness| ErrorRecord {
+        head: head("error", "ssct", roughness),
+        ..error_record("ssct", ErrorReference::World, 10.0, 0.1)
+    };
+    let silent = ErrorRecord { time_ms: None, ..rough(0.5) };
+    let mirror = |against| error_record("ssct", against, 10.0, 0.1);
+    let records = [mirror(ErrorReference::Oracle), mirror(ErrorReference::World), rough(0.1), rough(0.3), silent];
+    let abouts: Vec<String> =
+        ErrorRecord::tables(&records, &serde_json::Value::Null).into_iter().map(|table| table.about).collect();
+    assert_eq!(abouts.len(), 2);
+    assert!(abouts[0].starts_with("One cell. ") && abouts[1].starts_with("3 cells. "), "{abouts:?}");
+}
+
 /// The column `drift` says by how much the scene passes of a row took longer or shorter than those of the first row.
 /// Rows that were timed in turn have no such column. Without it, a busy machine would pass for a slow method.
 #[test]

@@ -177,6 +177,35 @@ fn without_reflectors_no_triangle_is_asked() {
     assert!(report.recorded.iter().all(|p| scene_passes.contains(&p.as_str())), "{:?}", report.recorded);
 }
 
+/// Methods among triangles prepare as many bytes when they share one scene, in either order, as each does alone. Without
+/// this, the second method would seem to need no triangles.
+#[test]
+fn the_triangles_of_a_scene_count_as_prepared_for_each_method_that_uses_them() {
+    let gpu = gpu();
+    let scene = crate::common::built_in("rooms");
+    let camera = scene.view("corridor").unwrap().camera(&scene, EXTENT);
+    let prepared_bytes = |methods: &[&MethodInfo]| -> Vec<u64> {
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        let (setup, materials) = (beyond(FirstTraced::Auto), &scene.materials);
+        let mut shot = |method: &MethodInfo| {
+            Shot::new(&mut stage, method, &setup, Wants::IMAGE, camera, materials.clone()).unwrap()
+        };
+        let shots: Vec<Shot> = methods.iter().map(|method| shot(method)).collect();
+        shots.iter().map(|shot| shot.prepared().device_bytes).collect()
+    };
+    let unified = &methods::unified::INFO;
+    let [of_traced, of_unified] = [traced(), unified].map(|method| prepared_bytes(&[method])[0]);
+    assert!(of_traced > 1 << 20 && of_unified > 1 << 20, "{of_traced} and {of_unified} bytes have room for a tree");
+    // Where an allocation lands decides by how many bytes it is padded.
+    let is_near = |found: u64, expected: u64| found.abs_diff(expected) < 1024;
+    for (methods, expected) in
+        [([traced(), unified], [of_traced, of_unified]), ([unified, traced()], [of_unified, of_traced])]
+    {
+        let found = prepared_bytes(&methods);
+        assert!(is_near(found[0], expected[0]) && is_near(found[1], expected[1]), "{found:?} instead of {expected:?}");
+    }
+}
+
 /// With a G-buffer but no scene, `traced` and `unified` among triangles are refused with a sentence. They would have no
 /// triangles to read.
 #[test]

@@ -61,7 +61,7 @@ impl<R: Row> Results<'_, R> {
         for (n, (device, rows)) in devices.iter().enumerate() {
             let target = if devices.len() > 1 { folder.join(device_folder(n)) } else { folder.clone() };
             let mut part = self.device_part(&target, device, rows)?;
-            self.write_device_files(&target, rows, &part)?;
+            part.files = self.write_device_files(&target, rows, &part)?;
             if devices.len() > 1 {
                 target.join(PAGE).write(self.page(rows, std::slice::from_ref(&part)).as_bytes())?;
                 // On the page of all devices, the paths of clips begin with the device's folder.
@@ -88,25 +88,38 @@ impl<R: Row> Results<'_, R> {
         clips.iter_mut().for_each(|group| group.clips.retain(|clip| folder.join(&clip.file).is_there()));
         let charts = plot::draw_charts(rows).map_err(failed)?;
         let tables = R::tables(rows, &self.list.settings);
-        Ok(DevicePart { device: device.clone(), folder: None, charts, tables, clips })
+        Ok(DevicePart { device: device.clone(), folder: None, files: Vec::new(), charts, tables, clips })
     }
 
-    /// Writes the files of one device except the page.
-    fn write_device_files(&self, folder: &PathInFolder, rows: &[R], part: &DevicePart) -> Result<()> {
-        let write = |name: &str, text: &str| folder.join(name).write(text.as_bytes());
+    /// Writes the files of one device except the page. Returns the name of each file that the page links, with words that
+    /// describe the file. Charts stand in the page itself.
+    fn write_device_files(
+        &self,
+        folder: &PathInFolder,
+        rows: &[R],
+        part: &DevicePart,
+    ) -> Result<Vec<(String, String)>> {
+        for DrawnChart { chart, svg } in &part.charts {
+            folder.join(format!("{}.svg", chart.stem)).write(svg.as_bytes())?;
+        }
+        let mut linked = Vec::new();
+        let mut write = |name: String, about: &str, text: &str| -> Result<()> {
+            folder.join(&name).write(text.as_bytes())?;
+            linked.push((name, about.to_owned()));
+            Ok(())
+        };
         for (stem, rows) in R::files(rows) {
-            write(&format!("{stem}.json"), &files::json(&rows))?;
+            write(format!("{stem}.json"), "every record", &files::json(&rows))?;
         }
         for sheet in declared_sheets(rows).into_iter().chain(R::sheets(rows)) {
-            write(&sheet.file, &files::csv(&sheet.cells))?;
-        }
-        for DrawnChart { chart, svg } in &part.charts {
-            write(&format!("{}.svg", chart.stem), svg)?;
+            write(sheet.file, &sheet.about, &files::csv(&sheet.cells))?;
         }
         let tables: Vec<Table> = part.tables.iter().cloned().chain(R::common_tables(rows)).collect();
         let device = rows.first().map(|r| device_name(&r.program().device)).unwrap_or_default();
-        write(&format!("{}.txt", R::KIND), &format!("{device}\n{}", tables::text(&tables)))?;
-        write(&format!("{}.md", R::KIND), &tables::markdown(&tables))
+        let text = format!("{device}\n{}", tables::text(&tables));
+        write(format!("{}.txt", R::KIND), "the tables, as text", &text)?;
+        write(format!("{}.md", R::KIND), "the tables, as Markdown", &tables::markdown(&tables))?;
+        Ok(linked)
     }
 
     /// Returns the page of some rows, with a part for each device.
@@ -137,7 +150,7 @@ fn declared_sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
     let header = || named.iter().map(|c| c.name.clone());
     let row_cells = |row: &R| named.iter().map(|c| c.written(row)).collect::<Vec<_>>();
     let cells = std::iter::once(header().collect()).chain(rows.iter().map(row_cells)).collect();
-    let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), cells }];
+    let mut sheets = vec![Sheet { file: format!("{}.csv", R::KIND), about: "a row for each record".to_owned(), cells }];
     if let Some(series) = &declared.series {
         // The column of an item's number has the name of the series without its s: `frame` for `frames`.
         let item = series.name.trim_end_matches('s').to_owned();
@@ -152,7 +165,8 @@ fn declared_sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
             cells
                 .extend(items.map(|(n, item)| row_cells(row).into_iter().chain([n.to_string()]).chain(item).collect()));
         }
-        sheets.push(Sheet { file: format!("{}-{}.csv", R::KIND, series.name), cells });
+        let about = format!("a row for each of the {} of each record", series.name);
+        sheets.push(Sheet { file: format!("{}-{}.csv", R::KIND, series.name), about, cells });
     }
     sheets
 }
@@ -181,6 +195,109 @@ pub fn write_extra_file(folder: &PathInFolder, file: &ExtraFile) -> Result<()> {
         Content::Film(film, frames_per_second) => {
             let encoded = clips::encode_animation(film, *frames_per_second);
             path.write(&encoded.map_err(|e| Error::io("encode", path.path(), std::io::Error::other(e)))?)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::columns::{columns, figure, part, series};
+    use crate::study::record::Provenance;
+    use serde_json::Value;
+
+    columns! {
+        /// A frame.
+        struct Frame {
+            /// Error of the frame.
+            pub error: f64 = figure(""),
+        }
+    }
+
+    columns! {
+        /// A device that a row was measured on.
+        struct Measured {
+            /// Number of the row.
+            pub number: u32 = figure("number"),
+        }
+    }
+
+    columns! {
+        /// A row with frames.
+        struct Film {
+            #[serde(flatten)]
+            pub program: Provenance,
+            #[serde(flatten)]
+            pub measured: Measured = part(),
+            pub frames: Vec<Frame> = series(),
+        }
+    }
+
+    impl Row for Film {
+        const KIND: &'static str = "film";
+        const TITLE: &'static str = "Films";
+
+        fn program(&self) -> &Provenance {
+            &self.program
+        }
+
+        fn sheets(_: &[Self]) -> Vec<Sheet> {
+            vec![Sheet { file: "more.csv".into(), about: "a row for nothing".into(), cells: Vec::new() }]
+        }
+
+        fn files(rows: &[Self]) -> Vec<(&'static str, Vec<Self>)> {
+            vec![("film", rows.to_vec()), ("other", Vec::new())]
+        }
+    }
+
+    /// Makes a row that a device of some name measured.
+    fn row(device: &str) -> Film {
+        let [name, text] = [device, ""].map(str::to_owned);
+        let device = DeviceInfo { name, driver: text.clone(), api: text.clone(), kind: text.clone() };
+        let program = Provenance { definitions: 3, version: text.clone(), commit: text, device };
+        Film { program, measured: Measured { number: 1 }, frames: vec![Frame { error: 0.5 }] }
+    }
+
+    /// Returns the names of the files in a folder, without folders, and the names of those files that its page links.
+    fn files_and_links(folder: &Path) -> [Vec<String>; 2] {
+        let page = std::fs::read_to_string(folder.join(PAGE)).expect("a page");
+        let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry"));
+        let files = entries.filter(|entry| entry.path().is_file());
+        let mut names: Vec<String> = files.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.retain(|name| name != PAGE);
+        names.sort_unstable();
+        let links = page.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next());
+        let mut linked: Vec<String> = links.filter(|link| link.contains('.')).map(str::to_owned).collect();
+        linked.sort_unstable();
+        [names, linked]
+    }
+
+    #[test]
+    fn a_page_links_every_file_of_its_results_and_no_other() {
+        let list = CellList {
+            kind: Film::KIND.to_owned(),
+            definitions: 3,
+            version: String::new(),
+            commit: String::new(),
+            command: "a command".to_owned(),
+            shard: None,
+            settings: Value::Null,
+            scenes: Vec::new(),
+            devices: Vec::new(),
+            cells: Vec::new(),
+        };
+        let written = |devices: [&str; 2]| {
+            let (folder, rows) = (tempfile::tempdir().expect("a folder"), devices.map(row));
+            let results = Results { rows: &rows, list: &list, missing: &[] };
+            results.write(&PathInFolder::folder(folder.path())).expect("files");
+            folder
+        };
+        let of_device = ["film-frames.csv", "film.csv", "film.json", "film.md", "film.txt", "more.csv", "other.json"];
+        assert_eq!(files_and_links(written(["a", "a"]).path()), [of_device; 2]);
+        let several = written(["a", "b"]);
+        assert_eq!(files_and_links(several.path()), [["film.json", "film.txt"]; 2]);
+        for device in 0..2 {
+            assert_eq!(files_and_links(&several.path().join(device_folder(device))), [of_device; 2]);
         }
     }
 }

@@ -149,6 +149,13 @@ impl<R: 'static> Column<R> {
         let Self { name, title, about, form, value } = self.clone();
         Column { name, title, about, form, value: Rc::new(move |row| value(get(row))) }
     }
+
+    /// Returns this column for a part that may be missing.
+    fn in_optional(&self) -> Column<Option<R>> {
+        let Self { name, title, about, form, value } = self.clone();
+        let optional_value = move |part: &Option<R>| part.as_ref().map_or(Datum::Nothing, &*value);
+        Column { name, title, about, form, value: Rc::new(optional_value) }
+    }
 }
 
 /// Computes a list of the items of a row, each time it is called. An item is a list with the text of each of its
@@ -414,6 +421,14 @@ macro_rules! text_of_doc {
 }
 
 pub(crate) use {column_of, columns, measured_columns, text_of_doc};
+
+/// The columns of a part that a row may lack; a row without it has no values there.
+impl<T: Columns> Columns for Option<T> {
+    fn columns() -> ColumnSet<Self> {
+        let ColumnSet { columns, times, ranges, .. } = T::columns();
+        ColumnSet { columns: columns.iter().map(Column::in_optional).collect(), series: None, times, ranges }
+    }
+}
 
 impl Columns for HitAgreement {
     fn columns() -> ColumnSet<Self> {

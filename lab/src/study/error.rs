@@ -19,6 +19,7 @@ use super::compare::{SEED, display, rgb};
 use super::engine::LastMade;
 use super::interleave::{self, Round, interleave};
 use super::journal::{Journal, digest};
+pub use super::names::{EXACT_HITS, SCREEN_REFERENCE};
 use super::record::{RecordSubject, Stats};
 use crate::error::{Error, Result};
 use crate::stage::gbuffer;
@@ -272,10 +273,6 @@ fn add_exact_hits_and_screen_reference(
     Ok(())
 }
 
-/// Name in records of the combination of the oracle's hits with the cone trace of the thesis.
-pub const EXACT_HITS: &str = "exact-hits+cone";
-/// Name in records of the screen reference, whose error against the world is measured; also the name of its picture.
-pub const SCREEN_REFERENCE: &str = "screen-reference";
 /// Name of the world reference's picture.
 pub const WORLD_REFERENCE: &str = "world-reference";
 

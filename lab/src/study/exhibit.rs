@@ -171,6 +171,8 @@ pub struct Clip {
 pub struct Sheet {
     /// The name of the file.
     pub file: String,
+    /// Subject of a row, as words that follow the name of the file.
+    pub about: String,
     /// Rows of the file, header first.
     pub cells: Vec<Vec<String>>,
 }

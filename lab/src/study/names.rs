@@ -5,6 +5,11 @@ use sha2::{Digest, Sha256};
 use ssct::gpu::DeviceInfo;
 use std::borrow::Cow;
 
+/// Name in records of the combination of the oracle's hits with the cone trace of the thesis.
+pub const EXACT_HITS: &str = "exact-hits+cone";
+/// Name in records of the screen reference, whose error against the world is measured; also the name of its picture.
+pub const SCREEN_REFERENCE: &str = "screen-reference";
+
 /// Returns the name of a cell, with which the names of its files begin.
 pub fn cell_name(scene: &str, view: &str, [width, height]: [u32; 2], roughness: Option<f32>) -> String {
     let [scene, view] = [scene, view].map(safe_word);

@@ -1,7 +1,7 @@
 //! Records: the subject and the result of a measurement, as one JSON object (docs/definitions.md, "Records").
 
 use super::columns::{Column, ColumnSet, Columns, columns, nested, part, time, times};
-use super::names::roughness_name;
+use super::names::{EXACT_HITS, SCREEN_REFERENCE, roughness_name};
 use crate::stage::Globals;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
@@ -229,8 +229,7 @@ impl Head {
     /// Returns the name of the record's variant: the method, its fallback, the preset unless it is the default, and the
     /// parameters that differ from the preset's values.
     pub fn variant(&self) -> String {
-        let parameters =
-            methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::read_parameters);
+        let parameters = naming_parameters(&self.method);
         let has_presets = parameters.iter().any(|p| p.author != p.published);
         let preset = Some(self.preset.name()).filter(|_| has_presets && self.preset != Preset::default());
         // The fallback stands behind the method already.
@@ -239,6 +238,19 @@ impl Head {
         let words = preset.map(str::to_owned).into_iter().chain(changed);
         words.fold(self.method_and_fallback(), |name, word| format!("{name} {word}"))
     }
+}
+
+/// Returns the parameters by which variants of a subject are named: those that the subject reads.
+fn naming_parameters(subject: &str) -> Vec<Parameter> {
+    if let Ok(method) = methods::find(subject) {
+        return method.read_parameters();
+    }
+    // A method from a folder reads what surrounds any method that sees the screen alone. What is no method has nothing
+    // around it; its setup is that of a method, and says more than applies.
+    let is_method = ![EXACT_HITS, SCREEN_REFERENCE].contains(&subject);
+    let read_on_screen = methods::ssct::INFO.read_parameters();
+    let is_read = |p: &Parameter| matches!(p.name, "oracle" | "bounces") || is_method && read_on_screen.contains(p);
+    EffectParams::table().into_iter().filter(is_read).collect()
 }
 
 impl Columns for Head {
@@ -381,6 +393,8 @@ pub fn group_of(label: &str) -> &str {
 pub(crate) mod tests {
     use super::*;
     use ssct::methods::METHODS;
+    use ssct::methods::setup::{BeyondScreen, CaptureCount, HistoryUse};
+    use ssct_ground::math::OracleVersion;
 
     /// Returns a value that the parameter allows, other than the given value.
     pub(crate) fn another(parameter: &Parameter, value: Value) -> Value {
@@ -408,6 +422,41 @@ pub(crate) mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_name_has_no_settings_that_its_subject_does_not_read() {
+        let text = String::new;
+        let device = DeviceInfo { name: text(), driver: text(), api: text(), kind: text() };
+        let setup = Setup::new([64, 48]).with(|p: &mut EffectParams| {
+            (p.beyond, p.captures, p.history) = (BeyondScreen::Triangles, CaptureCount::Auto, HistoryUse::On);
+            p.oracle = OracleVersion::V2;
+        });
+        let name = |subject: &str| {
+            let head = Head {
+                kind: "error".into(),
+                program: Provenance {
+                    definitions: DEFINITIONS,
+                    version: text(),
+                    commit: text(),
+                    device: device.clone(),
+                },
+                scene: "rooms".into(),
+                view: "a".into(),
+                method: subject.into(),
+                preset: Preset::default(),
+                width: 64,
+                height: 48,
+                roughness: None,
+                setup: recorded_setup(&setup, methods::find(subject).ok(), &Lens::default(), &Globals::default()),
+            };
+            head.variant()
+        };
+        assert_eq!(name(EXACT_HITS), "exact-hits+cone oracle 2");
+        assert_eq!(name(SCREEN_REFERENCE), "screen-reference oracle 2");
+        assert_eq!(name("my/method"), "my/method history on oracle 2");
+        assert_eq!(name("ssct"), "ssct history on");
+        assert_eq!(name("unified"), "unified history on oracle 2 triangles auto");
     }
 
     #[test]

@@ -161,9 +161,9 @@ impl ChangeSums {
         self.error += error * pairs as f64;
     }
 
-    /// Returns the mean over all pairs of `sum`, which is one of the sums; 0 without pairs.
-    fn mean(&self, sum: f64) -> f64 {
-        if self.pairs == 0 { 0.0 } else { sum / self.pairs as f64 }
+    /// Returns the mean over all pairs of `sum`, which is one of the sums; `None` without pairs.
+    fn mean(&self, sum: f64) -> Option<f64> {
+        (self.pairs > 0).then(|| sum / self.pairs as f64)
     }
 }
 
@@ -404,4 +404,19 @@ fn record(
         standard_error: world.standard_error,
         frames: film.frames,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_over_no_pairs_have_no_mean_and_others_weigh_frames_by_their_pairs() {
+        let mut sums = ChangeSums::default();
+        sums.add(0, 0.0, 0.0);
+        assert_eq!((sums.mean(sums.flicker), sums.mean(sums.error)), (None, None));
+        sums.add(1, 0.5, 0.0);
+        sums.add(3, 0.25, 0.5);
+        assert_eq!((sums.mean(sums.flicker), sums.mean(sums.error)), (Some(0.3125), Some(0.375)));
+    }
 }

@@ -1,8 +1,10 @@
 //! The captures that a scene keeps once they are drawn, so that all effects which look into them share one drawing.
 
 use super::SceneData;
-use crate::gpu::Image;
+use crate::error::Result;
+use crate::gpu::{FrameContext, Image};
 use ssct_ground::scene::{Capture, Material};
+use std::time::Instant;
 
 /// Captures that were drawn, with the cost of the drawing.
 #[derive(Clone)]
@@ -21,13 +23,26 @@ pub(crate) struct DrawnCaptures {
     pub cost: DrawingCost,
 }
 
-/// Time and memory of images that are drawn once.
+/// Time and memory of what is made of a scene once, such as images or triangles.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DrawingCost {
-    /// Milliseconds on the host until the device had drawn the images.
+    /// Milliseconds on the host until the device was done.
     pub time_ms: f64,
-    /// Bytes of device memory that the images take.
+    /// Bytes of device memory that the images or triangles take.
     pub device_bytes: u64,
+}
+
+impl DrawingCost {
+    /// Calls `make`, and returns what it made, with the cost.
+    pub fn measure<T>(
+        context: &mut FrameContext,
+        make: impl FnOnce(&mut FrameContext) -> Result<T>,
+    ) -> Result<(T, Self)> {
+        let (bytes_before, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        let made = make(context)?;
+        let device_bytes = context.gpu().allocated_bytes().saturating_sub(bytes_before);
+        Ok((made, Self { time_ms: 1e3 * begun.elapsed().as_secs_f64(), device_bytes }))
+    }
 }
 
 impl SceneData {

@@ -1,6 +1,6 @@
 //! Keeps the triangles of a scene in device memory: a tree of the meshes at rest, and a small tree of those that move.
 
-use super::SceneData;
+use super::{DrawingCost, SceneData};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, RayStructure};
 use crate::passes::triangle_scene::{TriangleGeometry, TriangleImages, TriangleReading};
@@ -36,15 +36,15 @@ impl SceneData {
             context.gpu().ray_queries()?;
         }
         self.prepare_trees(context, trees.as_ref())?;
-        if let (true, None, Some(geometry)) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
+        if let (true, None, Some((geometry, _))) = (queries, self.ray_structure.get(), self.triangle_geometry.get()) {
             // The structure is built from the triangles on the device, so that moved triangles are copied there first.
             context.once(|frame| geometry.copy_moving(frame))?;
-            let structure = geometry.build_structure(context)?;
+            let structure = DrawingCost::measure(context, |context| geometry.build_structure(context))?;
             self.ray_structure.get_or_init(|| structure);
         }
         if self.triangle_images.get().is_none() {
             let textures: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
-            let images = TriangleImages::new(context, &textures)?;
+            let images = DrawingCost::measure(context, |context| TriangleImages::new(context, &textures))?;
             self.triangle_images.get_or_init(|| images);
         }
         Ok(self.triangles().map(|(geometry, images)| {
@@ -67,11 +67,13 @@ impl SceneData {
         match self.triangle_geometry.get() {
             None => {
                 let names: Vec<&str> = placed.iter().map(|(name, _)| *name).collect();
-                let (tree, records) = trees.standing(&names)?;
-                let geometry = TriangleGeometry::new(context, (&tree, &records), &trees.moving(&placed)?)?;
+                let geometry = DrawingCost::measure(context, |context| {
+                    let (tree, records) = trees.standing(&names)?;
+                    TriangleGeometry::new(context, (&tree, &records), &trees.moving(&placed)?)
+                })?;
                 self.triangle_geometry.get_or_init(|| geometry);
             }
-            Some(geometry) if self.has_moved.get() => {
+            Some((geometry, _)) if self.has_moved.get() => {
                 let begun = Instant::now();
                 geometry.update(context.gpu(), &trees.moving(&placed)?)?;
                 self.moving_ms.set(Some(1e3 * begun.elapsed().as_secs_f64()));
@@ -88,7 +90,7 @@ impl SceneData {
     /// # Errors
     /// Errors of the device.
     pub fn copy_moving(&self, frame: &mut Frame) -> Result<()> {
-        let Some(geometry) = self.triangle_geometry.get() else { return Ok(()) };
+        let Some((geometry, _)) = self.triangle_geometry.get() else { return Ok(()) };
         if let Some(ms) = self.moving_ms.take() {
             frame.note_host_work("moving/tree", ms);
         }
@@ -97,11 +99,20 @@ impl SceneData {
 
     /// The triangles that [`Self::prepare_triangles`] made ready; `None` before that, and after a mesh's first move.
     pub fn triangles(&self) -> Option<(&TriangleGeometry, &TriangleImages)> {
-        self.triangle_geometry.get().zip(self.triangle_images.get())
+        let ((geometry, _), (images, _)) = self.triangle_geometry.get().zip(self.triangle_images.get())?;
+        Some((geometry, images))
+    }
+
+    /// Returns the cost of each part of the triangles that [`Self::prepare_triangles`] made ready. The structure for ray
+    /// queries is a part if `queries` is true.
+    pub(crate) fn triangle_costs(&self, queries: bool) -> impl Iterator<Item = DrawingCost> {
+        let structure = self.ray_structure.get().filter(|_| queries).map(|(_, cost)| *cost);
+        let geometry = self.triangle_geometry.get().map(|(_, cost)| *cost);
+        [structure, geometry, self.triangle_images.get().map(|(_, cost)| *cost)].into_iter().flatten()
     }
 
     /// The structure for ray queries of [`Self::prepare_triangles`]; `None` before that, and after a mesh has moved.
     pub fn ray_structure(&self) -> Option<&RayStructure> {
-        self.ray_structure.get()
+        self.ray_structure.get().map(|(structure, _)| structure)
     }
 }

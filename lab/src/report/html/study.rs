@@ -36,6 +36,8 @@ pub struct DevicePart {
     pub device: DeviceInfo,
     /// The folder with the device's files, relative to the page; `None` if they are beside the page.
     pub folder: Option<String>,
+    /// The names of the files of the device's results, each with words that describe the file.
+    pub files: Vec<(String, String)>,
     /// The device's charts.
     pub charts: Vec<DrawnChart>,
     /// The device's tables.
@@ -77,20 +79,14 @@ impl StudyPage<'_> {
 
     /// Links to the files beside the page, and the meanings of the columns.
     fn records(&self) -> Markup {
-        let file = |ending: &str| format!("{}.{ending}", self.kind);
-        let entry = |ending: &str, what: &'static str| (file(ending), what);
-        // Several devices share the JSON file alone; each has the other files in its folder.
         let has_device_folders = self.devices.len() > 1;
-        let all = [
-            entry("json", "every record"),
-            entry("csv", "a row for each record"),
-            entry("md", "the tables, as Markdown"),
-        ];
+        // Without a device, or with several, these two alone lie beside the page; each device has its own in a folder.
+        let common = [("json", "every record"), ("txt", "the tables, as text")];
+        let common = common.map(|(ending, about)| (format!("{}.{ending}", self.kind), about.to_owned()));
+        let files: &[(String, String)] = if let [only] = self.devices { &only.files } else { &common };
         html! {
             ul {
-                @for (file, what) in all.iter().filter(|(file, _)| !has_device_folders || file.ends_with(".json")) {
-                    li { a href=(file) { (file) } ": " (what) }
-                }
+                @for (file, about) in files { li { a href=(file) { (file) } ": " (about) } }
                 @for folder in self.folders.iter().filter(|_| !has_device_folders) {
                     li { a href=(folder) { (folder) } }
                 }

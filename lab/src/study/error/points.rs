@@ -59,6 +59,11 @@ fn error(record: &ErrorRecord) -> Option<f64> {
     }
 }
 
+/// Whether a record counts in the mean of a variant's point.
+pub fn is_averaged(record: &ErrorRecord) -> bool {
+    record.time_ms.is_some() && error(record).is_some()
+}
+
 /// The values of a variant, each list with a value for each cell that has one.
 #[derive(Default)]
 struct VariantValues {

@@ -109,10 +109,12 @@ impl Row for ErrorRecord {
 
     /// Makes a table of points for each reference that the rows have; the table marks the points on the Pareto front.
     fn tables(rows: &[Self], _: &Value) -> Vec<Table> {
-        let cells = rows.iter().map(name_of_cell).collect::<BTreeSet<_>>().len();
-        let about = format!("{}. {ABOUT}", if cells == 1 { "One cell".to_owned() } else { format!("{cells} cells") });
         let table = |(against, id, axis): (ErrorReference, &'static str, &str)| {
             let points = points::points(rows, against);
+            // A reference may be that of some cells alone, as the oracle is that of mirrors.
+            let averaged = rows.iter().filter(|r| r.against == against && points::is_averaged(r));
+            let count = averaged.map(name_of_cell).collect::<BTreeSet<_>>().len();
+            let about = if count == 1 { format!("One cell. {ABOUT}") } else { format!("{count} cells. {ABOUT}") };
             let title = format!("{axis}, mean over the cells; * is on the Pareto front");
             let floor = points::floor(rows).filter(|_| against == ErrorReference::World);
             let cells = point_cells(&points, floor);

@@ -142,6 +142,10 @@ fn records_of_the_first_version_are_read_and_a_missing_field_is_named() {
     folder["setup"]["steps"] = 12.into();
     let read = record(&folder).expect("read");
     assert_eq!(read.measurements[0].method, "my/method steps 12");
+    // Rows of no method were recorded with the settings of a method.
+    let mut exact_hits = time_record("gpu", "a", "exact-hits+cone", 1.0);
+    exact_hits["setup"]["beyond"] = "triangles".into();
+    assert_eq!(record(&exact_hits).expect("read").measurements[0].method, "exact-hits+cone");
 
     assert!(are_records(&[old]) && !are_records(&[]) && !are_records(&[json!({ "kind": "compare" })]));
     let lacks = |name: &str| {

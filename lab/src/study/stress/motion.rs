@@ -4,7 +4,7 @@
 use super::lineup::SceneMethods;
 use crate::error::Result;
 use crate::stage::Globals;
-use crate::study::columns::{AsDatum, Datum, columns, figure};
+use crate::study::columns::{AsDatum, Datum, columns, figure, nested};
 use crate::study::engine::{Bench, Planned, Row, Study};
 use crate::study::exhibit::{Table, pivot};
 use crate::study::journal::scene_digest;
@@ -15,8 +15,8 @@ use serde_json::{Value, json};
 use ssct::gpu::Gpu;
 use ssct::methods::{EffectParams, MethodInfo, Setup};
 use ssct_scenes::{Camera, GBufferData, Scene, View};
+use ssct_truth::metrics::bootstrap::median_of;
 use ssct_truth::metrics::flicker::{SamePlace, changes, finite_or_black, mean, pairs};
-use ssct_truth::metrics::percentile;
 use ssct_truth::reference::first_hits::FirstHits;
 use ssct_truth::reference::screen::{Sampling, ScreenReference};
 use ssct_truth::reference::surface::World;
@@ -94,10 +94,10 @@ columns! {
         pub setup: RecordedSetup,
         /// Number of pairs of a pixel and the pixel that showed the same surface a frame before.
         pub pairs: usize = figure(""),
-        /// Mean absolute difference of the linear reflection colour over the pairs and channels.
-        pub flicker: f64 = figure(""),
+        /// Mean absolute difference of the linear reflection colour over the pairs and channels; null without pairs.
+        pub flicker: Option<f64> = figure(""),
         /// Flicker of the screen reference over these pairs.
-        pub reference_flicker: f64 = figure(""),
+        pub reference_flicker: Option<f64> = figure(""),
         /// Flicker of the method divided by that of the screen reference; null if the reference does not change. A
         /// method that shows nothing has 0, so that the ratio alone says nothing.
         pub ratio: Option<f64> = figure(""),
@@ -105,7 +105,7 @@ columns! {
         /// reference: 0 for the reference, 1 for a method that shows nothing.
         pub deviation: Option<f64> = figure(""),
         /// Comparison of the method's changes with those of the world reference; null if it was not asked for.
-        pub world: Option<ReferenceComparison>,
+        pub world: Option<ReferenceComparison> = nested(""),
     }
 }
 
@@ -115,26 +115,33 @@ impl AsDatum for Motion {
     }
 }
 
-/// A method's changes compared with those of a reference.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ReferenceComparison {
-    /// Flicker of the reference, computed like [`MotionRecord::flicker`].
-    pub reference_flicker: f64,
-    /// Ratio of the method's flicker to the reference's; null where the reference stands still.
-    pub ratio: Option<f64>,
-    /// [`MotionRecord::deviation`], computed against this reference.
-    pub deviation: Option<f64>,
+columns! {
+    /// A method's changes compared with those of a reference.
+    #[derive(Copy)]
+    pub struct ReferenceComparison {
+        /// Flicker of the reference over the pairs; null without pairs.
+        pub reference_flicker: Option<f64> = figure(""),
+        /// Ratio of the method's flicker to the reference's; null where the reference stands still.
+        pub ratio: Option<f64> = figure(""),
+        /// Deviation of the method's changes from those of this reference; null where the reference stands still.
+        pub deviation: Option<f64> = figure(""),
+    }
 }
 
 impl ReferenceComparison {
     /// Compares the changes of a method's reflection with those of a reference over the same pairs of pixels.
     fn new(changes: &[Vec3], reference_changes: &[Vec3]) -> Self {
-        let reference_flicker = mean(reference_changes, |_, change| change);
+        let reference_flicker = flicker(reference_changes);
         let difference = mean(changes, |n, change| change - reference_changes[n]);
-        let relative = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
-        let ratio = relative(mean(changes, |_, change| change));
+        let relative = |v: f64| reference_flicker.filter(|flicker| *flicker > 0.0).map(|flicker| v / flicker);
+        let ratio = flicker(changes).and_then(relative);
         Self { reference_flicker, ratio, deviation: relative(difference) }
     }
+}
+
+/// Returns the mean absolute value of some changes of colour over their channels; `None` without changes.
+fn flicker(changes: &[Vec3]) -> Option<f64> {
+    (!changes.is_empty()).then(|| mean(changes, |_, change| change))
 }
 
 const ABOUT: &str = "Mean absolute change of the reflection from frame to frame, each pixel beside the same \
@@ -167,15 +174,10 @@ impl Row for MotionRecord {
 /// medians over the views of the two figures that `figures` returns: the flicker divided by the reference's, and the
 /// deviation.
 fn medians(records: &[MotionRecord], figures: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
-    let median = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        percentile(&values, 0.5)
-    };
     let motion = |r: &MotionRecord| format!("{} {}", r.motion.name(), r.roughness);
     pivot("method", records, [&MotionRecord::variant, &motion], |here| {
         let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.iter().filter_map(|r| figures(r)).unzip();
-        let both = median(ratios).zip(median(deviations));
-        both.map(|(ratio, deviation)| format!("{ratio:.2} off {deviation:.2}"))
+        (!ratios.is_empty()).then(|| format!("{:.2} off {:.2}", median_of(ratios), median_of(deviations)))
     })
 }
 
@@ -371,7 +373,7 @@ pub fn run(
             roughness: spec.roughness,
             setup: recorded_setup(&lineup.setup, Some(method), &lens, &globals),
             pairs: changes.len(),
-            flicker: mean(&changes, |_, change| change),
+            flicker: flicker(&changes),
             reference_flicker: against_screen.reference_flicker,
             ratio: against_screen.ratio,
             deviation: against_screen.deviation,
@@ -401,4 +403,85 @@ fn world_image(
         reference.add(&mut state, count);
     }
     Ok(reference.image(&state).reflection)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::columns::Columns;
+    use ssct::gpu::DeviceInfo;
+
+    /// Makes the record of a method in a view, by its comparison with the screen reference and with the world.
+    fn record(view: &str, screen: ReferenceComparison, world: Option<ReferenceComparison>) -> MotionRecord {
+        let device = DeviceInfo { name: "d".into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
+        MotionRecord {
+            kind: "motion".into(),
+            program: Provenance { definitions: 3, version: "1".into(), commit: "c".into(), device },
+            scene: "rooms".into(),
+            view: view.into(),
+            motion: Motion::SlowPan,
+            method: "ssct".into(),
+            width: 8,
+            height: 8,
+            roughness: 0.0,
+            setup: RecordedSetup::new(),
+            pairs: 64,
+            flicker: Some(0.5),
+            reference_flicker: screen.reference_flicker,
+            ratio: screen.ratio,
+            deviation: screen.deviation,
+            world,
+        }
+    }
+
+    /// Makes a comparison with a reference.
+    fn compared(ratio: f64, deviation: f64) -> ReferenceComparison {
+        ReferenceComparison { reference_flicker: Some(0.25), ratio: Some(ratio), deviation: Some(deviation) }
+    }
+
+    #[test]
+    fn the_median_over_two_views_is_the_mean_of_both() {
+        let still = ReferenceComparison { ratio: None, deviation: None, ..compared(0.0, 0.0) };
+        let mut records = vec![
+            record("a", compared(1.0, 0.5), Some(compared(2.0, 1.0))),
+            record("b", compared(2.0, 0.25), Some(compared(4.0, 2.0))),
+            record("c", still, Some(still)),
+        ];
+        let cells = |records: &[MotionRecord]| {
+            let tables = MotionRecord::tables(records, &Value::Null);
+            tables.into_iter().map(|table| table.cells[1][1].clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(cells(&records), ["1.50 off 0.38", "3.00 off 1.50"]);
+        records.push(record("d", compared(8.0, 0.75), None));
+        assert_eq!(cells(&records), ["2.00 off 0.50", "3.00 off 1.50"]);
+        assert_eq!(cells(&records[2..3]), ["-", "-"]);
+    }
+
+    #[test]
+    fn without_pairs_of_pixels_nothing_is_known() {
+        let nothing = ReferenceComparison { reference_flicker: None, ratio: None, deviation: None };
+        assert_eq!((flicker(&[]), ReferenceComparison::new(&[], &[])), (None, nothing));
+        let still = ReferenceComparison { reference_flicker: Some(0.0), ..nothing };
+        assert_eq!(ReferenceComparison::new(&[Vec3::ONE], &[Vec3::ZERO]), still);
+        let found = ReferenceComparison::new(&[Vec3::ONE], &[Vec3::splat(-0.5)]);
+        assert_eq!(found, ReferenceComparison { reference_flicker: Some(0.5), ..compared(2.0, 3.0) });
+    }
+
+    #[test]
+    fn csv_files_have_the_comparison_with_the_world_by_the_names_of_the_records() {
+        let written = |record: &MotionRecord| {
+            let columns = MotionRecord::columns().columns;
+            let of_world = columns.iter().filter(|column| column.name.starts_with("world."));
+            of_world.map(|column| (column.name.clone(), column.written(record))).collect::<Vec<_>>()
+        };
+        let names = ["world.reference_flicker", "world.ratio", "world.deviation"];
+        let expected = |values: [&str; 3]| {
+            names.into_iter().zip(values).map(|(name, value)| (name.to_owned(), value.to_owned())).collect::<Vec<_>>()
+        };
+        let with_world = record("a", compared(1.0, 0.5), Some(compared(2.0, 1.5)));
+        assert_eq!(written(&with_world), expected(["0.25", "2", "1.5"]));
+        assert_eq!(written(&record("a", compared(1.0, 0.5), None)), expected([""; 3]));
+        let json = json!(with_world);
+        assert!(names.iter().all(|name| json.pointer(&format!("/{}", name.replace('.', "/"))).is_some()), "{json}");
+    }
 }

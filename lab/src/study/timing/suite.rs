@@ -287,9 +287,10 @@ impl Row for TimeRow {
     /// Makes the file of raw samples, and the file of medians.
     fn sheets(rows: &[Self]) -> Vec<Sheet> {
         let records = method_records(rows);
+        let sheet = |file: &str, about: &str, cells| Sheet { file: file.to_owned(), about: about.to_owned(), cells };
         vec![
-            Sheet { file: SAMPLES.to_owned(), cells: sample_cells(&records) },
-            Sheet { file: MEDIANS.to_owned(), cells: median_cells(&records) },
+            sheet(SAMPLES, "a row for each pass of each timed frame", sample_cells(&records)),
+            sheet(MEDIANS, "a row for each group of passes", median_cells(&records)),
         ]
     }
 

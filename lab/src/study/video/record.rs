@@ -50,16 +50,17 @@ columns! {
         pub rays: u32,
         /// Median over the frames of the method's time, in milliseconds.
         pub time_ms: f64 = time("ms").digits(1),
-        /// Mean over the frames of [`VideoFrame::rmse`].
+        /// Mean over the frames of the RMSE of the linear reflection colour against the world, over reflecting pixels.
         pub rmse: f64 = figure("RMSE"),
-        /// Mean over the frames of [`VideoFrame::flip`].
+        /// Mean FLIP of the display images of the reflection colour, over all frames.
         pub flip: f64 = figure("FLIP"),
-        /// Mean absolute change of the linear reflection colour from a pixel to the same surface a frame before.
-        pub flicker: f64 = figure(""),
+        /// Mean absolute change of the linear reflection colour from a pixel to the same surface a frame before; null if
+        /// no frame shows a surface of the frame before.
+        pub flicker: Option<f64> = figure(""),
         /// Flicker of the world reference, computed like `flicker`.
-        pub reference_flicker: f64 = figure(""),
-        /// Mean absolute difference between the variant's changes and those of the world reference.
-        pub change_error: f64 = figure(""),
+        pub reference_flicker: Option<f64> = figure(""),
+        /// Mean absolute difference between the variant's changes and those of the world reference; null without changes.
+        pub change_error: Option<f64> = figure(""),
         /// Quality of the finished images beside the world's, in just-objectionable differences (JOD): 10 is the world.
         pub jod: f64 = figure("JOD").digits(2).signed(),
         /// Quality of the reflection colour alone beside the world's, in just-objectionable differences (JOD).
@@ -72,9 +73,11 @@ columns! {
 }
 
 impl VideoRecord {
-    /// Returns a mean change divided by the flicker of the world reference; `None` if the reference does not change.
-    fn per_reference_flicker(&self, change: f64) -> Option<f64> {
-        (self.reference_flicker > 0.0).then(|| change / self.reference_flicker)
+    /// Returns a mean change divided by the flicker of the world reference; `None` without a change, or if the reference
+    /// does not change.
+    fn per_reference_flicker(&self, change: Option<f64>) -> Option<f64> {
+        let reference_flicker = self.reference_flicker.filter(|flicker| *flicker > 0.0)?;
+        change.map(|change| change / reference_flicker)
     }
 
     /// Returns the title of the record's group of films: those of one scene, view, way, size and roughness, which pages

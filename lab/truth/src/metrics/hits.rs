@@ -19,9 +19,10 @@ pub struct HitAgreement {
     pub missed: Option<f64>,
     /// Share of pixels where both hit, but further apart than one pixel in x or in y.
     pub displaced: Option<f64>,
-    /// Median distance in pixels between both hits, over the pixels where both hit; null if there are none.
+    /// The 50th percentile of the distance in pixels between both hits, over the pixels where both hit: the least distance
+    /// that half of the distances do not exceed. Null if there are none.
     pub hit_error_px_p50: Option<f64>,
-    /// The 99th percentile of the distance between both hits, in pixels.
+    /// The 99th percentile of these distances.
     pub hit_error_px_p99: Option<f64>,
 }
 
@@ -107,7 +108,7 @@ mod tests {
         // The three agreeing pixels: both miss; hits exactly one pixel apart on both axes; equal hits.
         assert_eq!(a.hit_agreement, of_seven(3.0));
         assert_eq!((a.false_hits, a.missed, a.displaced), (of_seven(1.0), of_seven(1.0), of_seven(2.0)));
-        // Distances √2, 5, 1.001, 0.
+        // Distances √2, 5, 1.001, 0: a percentile is one of them, and not the mean of two.
         assert!((a.hit_error_px_p50.expect("hits") - 1.001).abs() < 1e-9);
         assert_eq!(a.hit_error_px_p99, Some(5.0));
     }
