@@ -74,13 +74,17 @@ impl Folder {
     }
 }
 
-/// Returns the path of a scene file like that of [`Folder::write_boards`], with the view `ahead`. All tests of the
-/// program share it.
+/// Returns the path of a scene file like that of [`Folder::write_boards`], with the view `ahead`. All tests share it.
 pub fn boards() -> &'static str {
     static FILE: LazyLock<String> = LazyLock::new(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(std::process::id().to_string());
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("boards");
         std::fs::create_dir_all(&folder).unwrap();
-        write_boards(&folder, &["ahead"]);
+        // Another test program may read the files meanwhile, so that each is put in its place whole.
+        let own = tempfile::tempdir_in(&folder).unwrap();
+        write_boards(own.path(), &["ahead"]);
+        for file in ["boards.obj", "boards.scene.toml"] {
+            std::fs::rename(own.path().join(file), folder.join(file)).unwrap();
+        }
         folder.join("boards.scene.toml").into_os_string().into_string().unwrap()
     });
     &FILE

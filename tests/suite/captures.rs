@@ -247,16 +247,18 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
     let mut all = Vec::new();
     let [rooms, atrium, street] =
         ["rooms", "atrium", "street"].map(|name| without_images(crate::common::built_in(name)));
-    let kinds = [([97, 61], 64, 1), ([160, 90], 128, 2), ([97, 61], 16, 4), ([64, 64], 33, 4)];
-    for (scene, view) in [(&rooms, "window"), (&rooms, "corridor"), (&atrium, ""), (&street, "car")] {
+    // Size of the image, texels along a side of a face, and number of captures.
+    let few = [([97, 61], 64, 1), ([160, 90], 128, 2)];
+    let many = [([97, 61], 16, 4), ([64, 64], 33, 4)];
+    for (scene, view, kinds) in
+        [(&rooms, "window", few), (&rooms, "corridor", many), (&atrium, "", few), (&street, "car", many)]
+    {
         let view = scene.views.iter().find(|v| v.name == view).unwrap_or(&scene.views[0]).clone();
         // Places between the eye and the point that it looks at, beside that line, and behind the eye.
         let aside = (view.look_at - view.eye).cross(Vec3::Y).normalize();
         let place = |along: f32, side: f32| view.eye.lerp(view.look_at, along) + side * aside;
         let places = [place(0.3, 0.2), place(0.8, -0.4), view.eye, place(-0.2, 0.5)];
-        // Every other view has two of four kinds of captures.
-        for (extent, side, count) in &kinds[2 * (all.len() / 2 % 2)..][..2] {
-            let (extent, side, count) = (*extent, *side, *count);
+        for (extent, side, count) in kinds {
             let scene = with_captures(scene.clone(), &places[..count], side);
             let name = format!("{} {} {extent:?}, {count} of {side}", scene.name, view.name);
             all.push((name, scene, view.clone(), extent));

@@ -23,7 +23,7 @@ use ssct_scenes::{Camera, Capture, GBufferData, Scene};
 /// first pair. The last two pairs run the programs of the first two, and hand images from one kind to the other.
 const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];
 
-/// The number of pairs that are tried where images are handed over as in a case that tries all.
+/// Number of pairs, from the first on, in which all passes have one kind of shader. Most cases try these alone.
 const UNMIXED: usize = 2;
 
 /// The images of a frame, as bits by their names, and the passes that the frame recorded.

@@ -212,3 +212,19 @@ pub fn default_cache() -> Option<PathBuf> {
     let caches = variable("XDG_CACHE_HOME").or_else(|| Some(variable("HOME")?.join(".cache")))?;
     Some(caches.join("ssct"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Args;
+
+    #[test]
+    fn help_tells_the_defaults_that_the_reference_takes() {
+        let command = RenderOptions::augment_args(clap::Command::new("render"));
+        for (name, default) in [("standard_error", STANDARD_ERROR.to_string()), ("max_rays", MAX_RAYS.to_string())] {
+            let option = command.get_arguments().find(|a| a.get_id() == name).expect("an option");
+            let help = option.get_help().expect("help").to_string();
+            assert!(help.ends_with(&format!("[default: {default}]")), "{help}");
+        }
+    }
+}
