@@ -59,7 +59,7 @@ league: build
 test: setup
 	$(CARGO) test
 
-# The tests of a shader that changed, as they were built last: FILE=shaders-glsl/common/history.glsl, and TESTS names others than
+# The tests of a shader that changed, as they were built last: FILE=shaders-glsl/history/history.glsl, and TESTS names others than
 # those that share a word with it.
 shader-test:
 	@scripts/shader-test.sh "$(FILE)" $(TESTS)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the tests of a changed shader without compiling Rust: the tests that were built last compile shaders-glsl/ when they run.
-#   scripts/shader-test.sh shaders-glsl/common/history.glsl            the tests whose files share a word with the shader's name
-#   scripts/shader-test.sh shaders-glsl/common/history.glsl moving::   the tests whose names contain one of these texts
+#   scripts/shader-test.sh shaders-glsl/history/history.glsl            the tests whose files share a word with the shader's name
+#   scripts/shader-test.sh shaders-glsl/history/history.glsl moving::   the tests whose names contain one of these texts
 # A change of a shader's bindings, blocks or constants needs `make build`, and the message says so. The command, which some
 # tests run, reads the same folder.
 set -euo pipefail
@@ -12,7 +12,7 @@ say() { printf 'shader-test: %s\n' "$*" >&2; }
 wrong() { say "$1"; exit 2; }
 
 file=${1:-}
-[ -n "$file" ] || wrong 'no shader is named; make shader-test FILE=shaders-glsl/common/history.glsl names one'
+[ -n "$file" ] || wrong 'no shader is named; make shader-test FILE=shaders-glsl/history/history.glsl names one'
 [ -f "$file" ] || wrong "there is no file '$file'"
 shift
 programs="${CARGO_TARGET_DIR:-target}/debug/deps"

@@ -11,7 +11,7 @@
 
 int face_layer; // the face that is walked over: 6 capture + face
 
-#include "unified/traverse.glsl"
+#include "unified/trace/traverse.glsl"
 
 // Projects a point in the view space of a face to continuous pixel coordinates, and finds the pixel that it lies in.
 vec2 FacePosition(vec3 face_point, out ivec2 pixel) {

@@ -1,6 +1,6 @@
 // Puts rays on the list of lost rays, for captures/follow.comp or triangles/follow.comp: from where the screen lost
 // them, or with CONFIRMED from where they begin. With LOSES_NOTHING, no ray is put on the list. Needs
-// unified/traverse.glsl.
+// unified/trace/traverse.glsl.
 
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL

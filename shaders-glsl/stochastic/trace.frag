@@ -24,7 +24,7 @@ layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
 #include "captures/sky_along.glsl"
 #include "unified/lit_color.glsl"
 #ifdef EXACT
-#include "unified/mirrored.glsl"
+#include "unified/trace/mirrored.glsl"
 #endif
 
 OUTPUT(0, rgba32f, vec4, out_place); // the hit (ViewPoint's scale), or the direction of a miss; in w the logarithm

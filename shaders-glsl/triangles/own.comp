@@ -20,7 +20,7 @@ layout(constant_id = 2) const bool OVER = false; // another reflection shows whe
 #endif
 layout(constant_id = 6) const bool COMPOSITE = true; // false: only the reflection is shown
 
-#include "unified/gloss_trace.glsl"
+#include "unified/trace/gloss_trace.glsl"
 #include "unified/lit_color.glsl"
 #include "unified/store.glsl"
 
@@ -48,7 +48,7 @@ vec4 TraceOwnRay(ivec2 pixel, int ray) {
 // its neighbours' rays saw.
 #ifdef ON_SCREEN
 
-// A miss is black, and the fade is that of the hits, as in ReflectionFromSum (unified/gathered.glsl). Over another
+// A miss is black, and the fade is that of the hits, as in ReflectionFromSum (unified/resolve/gathered.glsl). Over another
 // reflection a miss is not black but adds nothing, so that colours count by their fade.
 vec4 MeanWithNeighbours(Doubt doubt, uint first) {
     vec4 own = vec4(0.0);

@@ -3,7 +3,7 @@
 #ifndef TRIANGLES_PIXEL_GLSL
 #define TRIANGLES_PIXEL_GLSL
 
-#include "unified/ray.glsl"
+#include "unified/trace/ray.glsl"
 #include "triangles/begin.glsl"
 
 // The images of the screen, for programs that trace rays from its pixels. Each permutation reads some of them.

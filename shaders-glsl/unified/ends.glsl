@@ -1,6 +1,6 @@
 // The image of where glossy rays ended, for a history. It has an end in each pixel with a narrow lobe, and in the first
 // pixel of each cell of 2 x 2 pixels with a wide lobe. The passes that trace or follow rays (captures/finish.glsl)
-// write the image, and common/history.glsl reads it.
+// write the image, and history/history.glsl reads it.
 
 #ifndef UNIFIED_ENDS_GLSL
 #define UNIFIED_ENDS_GLSL

@@ -1,4 +1,4 @@
-// Stores the pixels that compute programs show (mirror.comp, resolve_narrow.comp, resolve_wide.comp).
+// Stores the pixels that compute programs show (mirror.comp, resolve/narrow.comp, resolve/wide.comp).
 
 #ifndef UNIFIED_STORE_GLSL
 #define UNIFIED_STORE_GLSL

@@ -61,10 +61,9 @@
 //! program runs in as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
-//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `traverse.glsl`;
-//! `surface.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl`; `gathered.glsl`, `exchanged_rays.glsl` and
-//! `shared_rays.glsl`, `resolve_narrow.glsl`, `resolve_cells.glsl`
-//! and `resolve_wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
+//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `gloss.glsl`,
+//! which has the lobes; in `trace/`: `traverse.glsl`, `surface.glsl`, `mirror.glsl` and `gloss_trace.glsl`; in `resolve/`:
+//! `gathered.glsl`, `exchanged_rays.glsl`, `shared_rays.glsl`, `narrow.glsl`, `cells.glsl` and `wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
 //! `follow.comp`. A `.frag` and a `.comp` of the same stem include each file that traces or resolves. The `.comp` files
 //! that write finished pixels share `store.glsl`. The pyramid, the traversal and the passes of gloss have twins on the
 //! CPU in `reference::unified`.

@@ -13,7 +13,7 @@ use ssct_ground::math::constants::{BEYOND, MOST_MOVERS, NO_TRIANGLE};
 use ssct_ground::scene::{Camera, Projection, ProjectionKind};
 use std::cell::{Cell, OnceCell, RefCell};
 
-/// Format of the guide of the search: `Guide` of `shaders-glsl/common/history_guide.glsl`, packed.
+/// Format of the guide of the search: `Guide` of `shaders-glsl/history/guide.glsl`, packed.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_UINT;
 
 /// The most frames that are averaged at rest.

@@ -70,7 +70,7 @@ fn programs_compile_for_a_gpu_that_is_not_there() {
         assert_eq!(record["stage"] == "vertex", record["program"].as_str().unwrap().contains(".vert"), "{record}");
     }
     let page = folder.text("out/index.html");
-    assert!(page.contains("VGPRs") && page.contains("unified/mirror.comp"), "the page has the driver's names");
+    assert!(page.contains("VGPRs") && page.contains("unified/trace/mirror.comp"), "the page has the driver's names");
     let compared = folder.succeed(&["compare", "out", "out"]);
     assert!(compared.contains("VGPRs") && compared.contains("1.000"), "{compared}");
 }
@@ -155,14 +155,14 @@ fn a_history_runs_one_program_at_rest_and_another_while_the_camera_moves() {
     let arguments = ["shaders", "--variant", "unified --history on", "--roughness", "0.1", "--json"];
     let Some(output) = on_absent_gpu(&folder, "NAVI21", &arguments) else { return };
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
-    let is_of_history = |r: &&Value| r["program"].as_str().is_some_and(|name| name.starts_with("common/history"));
+    let is_of_history = |r: &&Value| r["program"].as_str().is_some_and(|name| name.starts_with("history/"));
     let found: Vec<&Value> = records.iter().filter(is_of_history).collect();
     let constants = |runs_in: &str| {
         let found_here: Vec<_> = found.iter().filter(|r| r["runs_in"] == runs_in).map(|r| &r["constants"]).collect();
         assert_eq!(found_here.len(), 1, "{runs_in}: {found:?}");
         found_here[0].as_str().unwrap()
     };
-    // The constant SEARCH of shaders-glsl/common/history_inputs.glsl.
+    // The constant SEARCH of shaders-glsl/history/inputs.glsl.
     assert!(constants("frame").contains(" 3=1") && constants("frame at rest").contains(" 3=0"), "{found:?}");
 }
 

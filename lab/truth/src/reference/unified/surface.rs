@@ -1,4 +1,4 @@
-//! Twin of `unified/surface.glsl`: tests which pixels show the surface that reflects, and whether a ray ends in sky
+//! Twin of `unified/trace/surface.glsl`: tests which pixels show the surface that reflects, and whether a ray ends in sky
 //! that the screen shows.
 
 use super::{Block, Hit, HitCode, Ray, Traversal, dot};

@@ -3,7 +3,7 @@
 #ifndef COMMON_HISTORY_MOTION_GLSL
 #define COMMON_HISTORY_MOTION_GLSL
 
-#include "common/history_guide.glsl"
+#include "history/guide.glsl"
 #include "common/sight.glsl"
 
 // A surface counts as at rest if it was seen no farther from where a surface at rest was seen than STILL pixels plus

@@ -4,7 +4,7 @@
 #ifndef COMMON_HISTORY_SEARCH_GLSL
 #define COMMON_HISTORY_SEARCH_GLSL
 
-#include "common/history_guide.glsl"
+#include "history/guide.glsl"
 #include "common/lobe.glsl"
 #include "common/sight.glsl"
 #include "common/sound.glsl"

@@ -8,7 +8,7 @@
 
 #include "captures/sky_along.glsl"
 #include "unified/lit_color.glsl"
-#include "unified/surface.glsl"
+#include "unified/trace/surface.glsl"
 
 // Adds a texel to a weighted sum of colours, if it counts. `sum.a` is the weight of texels that are no sky, and
 // `counted` the weight of all that count.

@@ -5,7 +5,7 @@
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
-#include "unified/mirror.glsl"
+#include "unified/trace/mirror.glsl"
 
 layout(location = 0) out vec4 out_color;      // the composite, or the reflection
 layout(location = 1) out vec4 out_reflection; // the reflection, where it is wanted beside the composite

@@ -5,9 +5,9 @@
 #define UNIFIED_RESOLVE_WIDE_GLSL
 
 #include "triangles/push_doubt.glsl"
-#include "unified/blocks.glsl"
-#include "unified/drawn_cells.glsl"
-#include "unified/shown.glsl"
+#include "unified/resolve/blocks.glsl"
+#include "unified/resolve/drawn_cells.glsl"
+#include "unified/resolve/shown.glsl"
 
 layout(constant_id = 2) const bool OVER = false; // another reflection shows where this one misses
 

@@ -9,9 +9,9 @@
 #define GATHERS
 #define NARROW
 #include "triangles/push_doubt.glsl"
-#include "unified/gathered.glsl"
+#include "unified/resolve/gathered.glsl"
 #include "unified/gloss.glsl"
-#include "unified/shown.glsl"
+#include "unified/resolve/shown.glsl"
 
 layout(binding = 5, rgba32ui) uniform readonly uimage2D seen_image; // written by TraceNarrow
 

@@ -5,8 +5,8 @@
 #define UNIFIED_RESOLVE_CELLS_GLSL
 
 #include "triangles/own_rays.glsl"
-#include "unified/drawn_cells.glsl"
-#include "unified/gathered.glsl"
+#include "unified/resolve/drawn_cells.glsl"
+#include "unified/resolve/gathered.glsl"
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space

@@ -14,7 +14,7 @@
 #endif
 
 #include "unified/groups.glsl"
-#include "unified/gloss_trace.glsl"
+#include "unified/trace/gloss_trace.glsl"
 #include "unified/ends.glsl"
 
 #ifdef NARROW

@@ -3,7 +3,7 @@
 #ifndef UNIFIED_EXCHANGED_RAYS_GLSL
 #define UNIFIED_EXCHANGED_RAYS_GLSL
 
-#include "unified/gathered.glsl"
+#include "unified/resolve/gathered.glsl"
 
 // The ray of the block's other pixel along an axis. `outward` is the asking pixel's direction out of the block along
 // this axis.

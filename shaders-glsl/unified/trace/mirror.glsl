@@ -22,13 +22,13 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 #include "unified/depth.glsl"
 #include "unified/lit_color.glsl"
 #ifdef AMONG_TRIANGLES
-#include "unified/ray.glsl"
+#include "unified/trace/ray.glsl"
 #include "triangles/from_pixel.glsl"
 #else
-#include "unified/traverse.glsl"
+#include "unified/trace/traverse.glsl"
 #include "captures/seen.glsl"
 #ifndef CONFIRMED
-#include "unified/mirrored.glsl"
+#include "unified/trace/mirrored.glsl"
 #endif
 #endif
 

@@ -5,7 +5,7 @@
 #pragma program(TraceWide: Confirmed, CONFIRMED)
 // Traces the rays of glossy pixels and cells, drawn over tiles as points or over the whole image.
 
-#include "unified/gloss_trace.glsl"
+#include "unified/trace/gloss_trace.glsl"
 #include "unified/ends.glsl"
 
 #ifdef NARROW

@@ -5,7 +5,7 @@
 #ifndef UNIFIED_SHARED_RAYS_GLSL
 #define UNIFIED_SHARED_RAYS_GLSL
 
-#include "unified/gathered.glsl"
+#include "unified/resolve/gathered.glsl"
 
 #define ROOM (GROUP_SIDE + 2 * REACH) // texels along a side of the square that a workgroup loads
 

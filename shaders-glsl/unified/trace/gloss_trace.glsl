@@ -19,10 +19,10 @@ layout(binding = 30) uniform sampler2D color_chain; // coarser levels of the lit
 #ifdef AMONG_TRIANGLES
 #include "triangles/from_pixel.glsl"
 #else
-#include "unified/traverse.glsl"
+#include "unified/trace/traverse.glsl"
 #include "captures/seen.glsl"
 #ifndef CONFIRMED
-#include "unified/mirrored.glsl"
+#include "unified/trace/mirrored.glsl"
 #endif
 #endif
 

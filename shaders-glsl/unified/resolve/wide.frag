@@ -4,7 +4,7 @@
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
-#include "unified/resolve_wide.glsl"
+#include "unified/resolve/wide.glsl"
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // the reflection, where it is wanted beside the composite

@@ -10,7 +10,7 @@
 #endif
 
 #include "unified/groups.glsl"
-#include "unified/mirror.glsl"
+#include "unified/trace/mirror.glsl"
 #include "unified/store.glsl"
 
 layout(binding = 13, rgba32f) uniform writeonly image2D hits_image; // without HITS, any image of this format

@@ -3,10 +3,10 @@
 // The reflections of cells with wide lobes, a thread a cell, over tiles or over the whole image.
 
 #include "unified/groups.glsl"
-#include "unified/resolve_cells.glsl"
+#include "unified/resolve/cells.glsl"
 
 #define REACH 2
-#include "unified/shared_rays.glsl"
+#include "unified/resolve/shared_rays.glsl"
 
 layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba16f) uniform writeonly image2D surface_image;

@@ -4,8 +4,8 @@
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
-#include "unified/resolve_cells.glsl"
-#include "unified/exchanged_rays.glsl"
+#include "unified/resolve/cells.glsl"
+#include "unified/resolve/exchanged_rays.glsl"
 
 layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out vec4 out_surface;

@@ -3,7 +3,7 @@
 #ifndef COMMON_HISTORY_GUIDE_GLSL
 #define COMMON_HISTORY_GUIDE_GLSL
 
-#include "common/history_inputs.glsl"
+#include "history/inputs.glsl"
 #include "common/octahedral.glsl"
 
 // Bounds of a history's Lag: of the length of its mean, in standard deviations of the lobe (1 / sqrt(alpha + 1)), and

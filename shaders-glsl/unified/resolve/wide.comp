@@ -3,7 +3,7 @@
 // The reflections of pixels with wide lobes, a thread a pixel, over tiles or over the whole image.
 
 #include "unified/groups.glsl"
-#include "unified/resolve_wide.glsl"
+#include "unified/resolve/wide.glsl"
 #include "unified/store.glsl"
 
 void main() {

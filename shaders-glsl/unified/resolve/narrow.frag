@@ -4,8 +4,8 @@
 
 layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
 
-#include "unified/resolve_narrow.glsl"
-#include "unified/exchanged_rays.glsl"
+#include "unified/resolve/narrow.glsl"
+#include "unified/resolve/exchanged_rays.glsl"
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // the reflection, where it is wanted beside the composite

@@ -4,7 +4,7 @@
 #ifndef UNIFIED_SURFACE_GLSL
 #define UNIFIED_SURFACE_GLSL
 
-#include "unified/traverse.glsl"
+#include "unified/trace/traverse.glsl"
 
 // Whether a ray that hit nothing left through the far plane, if no other image is asked (without FOLLOWED). If so,
 // `hit` gets the pixel and the position where it left. If the screen shows sky there, the ray sees this sky.

@@ -6,7 +6,7 @@
 // (findings/lavapipe-runs-a-loop-once-more.sh).
 #define SEARCH_LOOP [[unroll]]
 
-#include "common/history.glsl"
+#include "history/history.glsl"
 
 layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out uvec4 out_guide;

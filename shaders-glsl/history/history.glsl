@@ -12,8 +12,8 @@
 #extension GL_EXT_control_flow_attributes : require
 
 #include "common/constants.glsl"
-#include "common/history_motion.glsl"
-#include "common/history_search.glsl"
+#include "history/motion.glsl"
+#include "history/search.glsl"
 #include "common/lobe.glsl"
 #include "common/sight.glsl"
 

@@ -3,7 +3,7 @@
 #ifndef UNIFIED_GATHERED_GLSL
 #define UNIFIED_GATHERED_GLSL
 
-#include "unified/blocks.glsl"
+#include "unified/resolve/blocks.glsl"
 #include "unified/parameters.glsl"
 
 layout(constant_id = 2) const bool OVER = false;  // another reflection shows where this one misses

@@ -5,7 +5,7 @@
 // Unrolled, the search would need more registers than a GPU has for enough waves.
 #define SEARCH_LOOP [[dont_unroll]]
 
-#include "common/history.glsl"
+#include "history/history.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 

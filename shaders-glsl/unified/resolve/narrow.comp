@@ -3,11 +3,11 @@
 // The reflections of pixels with narrow lobes, a thread a pixel, over tiles or over the whole image.
 
 #include "unified/groups.glsl"
-#include "unified/resolve_narrow.glsl"
+#include "unified/resolve/narrow.glsl"
 #include "unified/store.glsl"
 
 #define REACH 1
-#include "unified/shared_rays.glsl"
+#include "unified/resolve/shared_rays.glsl"
 
 NeighbourRay LoadGatheredRay(ivec2 pixel) {
     return LoadNeighbourRay(pixel);

@@ -6,7 +6,7 @@
 #define UNIFIED_TRAVERSE_GLSL
 
 #include "unified/pyramid.glsl"
-#include "unified/ray.glsl"
+#include "unified/trace/ray.glsl"
 
 #ifdef FACES
 #define FOLLOWED true
