@@ -442,7 +442,7 @@ fn names_in_files_are_no_paths() {
         let before = all_below(folder.root());
         let args =
             ["error", "--scene", "a.scene.toml", "--method", "linear", "--no-sweep", "--roughness", "0", "--size"];
-        let rest = ["32x18", "--rays", "4", "--samples", "1", "-o", "out/deep"];
+        let rest = ["34x19", "--rays", "4", "--samples", "1", "-o", "out/deep"];
         folder.succeed(&[&args[..], &rest].concat());
         let written: Vec<String> = all_below(folder.root()).into_iter().filter(|path| !before.contains(path)).collect();
         assert!(written.iter().any(|path| path.ends_with("-linear.png")), "{written:?}");

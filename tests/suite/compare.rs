@@ -151,7 +151,7 @@ fn the_text_warns_and_lists_what_one_run_lacks() {
 #[test]
 fn a_run_of_the_time_study_is_the_same_as_itself() {
     let folder = Folder::new();
-    folder.succeed(&["time", "--size", "16x9", "--samples", "5", "--method", "ssct", "-o", "times"]);
+    folder.succeed(&["time", "--size", "17x9", "--samples", "5", "--method", "ssct", "-o", "times"]);
     let records = compared(&folder, &["times", "times", "--threshold", "0.999"]);
     let timed: Value = serde_json::from_slice(&std::fs::read(folder.path("times/time.json")).unwrap()).unwrap();
     let passes = timed[0]["passes"].as_array().unwrap();
@@ -175,7 +175,7 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
 fn runs_with_other_flags_are_no_pair() {
     let folder = Folder::new();
     let run = |name: &str, flags: &[&str]| {
-        let common = ["time", "--size", "16x9", "--samples", "1", "--method", "ssct", "-o", name];
+        let common = ["time", "--size", "17x9", "--samples", "1", "--method", "ssct", "-o", name];
         folder.succeed(&[&common[..], flags].concat());
         folder.text(&format!("{name}/time-samples.csv"))
     };
@@ -361,7 +361,7 @@ fn an_exr_that_cannot_be_read_is_refused() {
 fn a_method_timed_against_itself_knows_its_noise_floor() {
     let folder = Folder::new();
     let time =
-        ["time", "--view", "corridor", "--method", "environment", "--size", "64x36", "--samples", "6", "--warmup"];
+        ["time", "--view", "corridor", "--method", "environment", "--size", "66x37", "--samples", "6", "--warmup"];
     let records: Vec<Value> = serde_json::from_str(
         &folder.succeed(&[&time[..], &["0", "--a-a", "-o", "a", "--trace", "t.json", "--json"]].concat()),
     )
@@ -420,7 +420,7 @@ fn rows_of_verdicts(text: &str) -> Vec<[String; 3]> {
 fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
     let folder = Folder::new();
     let [few, many] = ["ssct --iterations 64", "ssct --iterations 1024"];
-    let time = ["time", "--view", "corridor", "--size", "64x36", "--samples", "6"];
+    let time = ["time", "--view", "corridor", "--size", "66x37", "--samples", "6"];
     let run = |variants: &[&str], name: &str| {
         let named = variants.iter().flat_map(|v| ["--variant", v]).chain(["-o", name]);
         folder.succeed(&time.into_iter().chain(named).collect::<Vec<_>>())

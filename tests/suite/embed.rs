@@ -164,7 +164,7 @@ fn a_sky_shows_where_rays_end_in_it() {
 fn what_is_not_asked_for_is_not_made() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
-    let data = view_of_rooms(&gpu, [64, 48]);
+    let data = view_of_rooms(&gpu, [66, 49]);
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let context = engine.context();
     for method in ["unified", "ssct"] {
@@ -241,7 +241,7 @@ unsafe impl DeviceMemory for Objects {
 fn memory_of_the_callers_is_taken_and_given_back() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
-    let data = view_of_rooms(&gpu, [64, 48]);
+    let data = view_of_rooms(&gpu, [66, 49]);
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let mut show = |context: Context| {
         let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
@@ -371,7 +371,7 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
 fn what_is_wrong_with_an_input_is_said_with_its_name() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
-    let data = view_of_rooms(&gpu, [32, 24]);
+    let data = view_of_rooms(&gpu, [34, 25]);
     let context = engine.context();
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
@@ -425,7 +425,7 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
 fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
-    let data = view_of_rooms(&gpu, [64, 48]);
+    let data = view_of_rooms(&gpu, [66, 49]);
     let context = engine.context();
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let with_hits = ReflectionsInfo { hits: true, parameters: &[("fade", "off")], ..info(&data, "unified") };
@@ -455,8 +455,8 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     let recorded = engine.frame(&mut reflections, &FrameInput { reflectors, ..mirrors.input() }).unwrap();
     assert!(bits(&engine.read(&recorded.composite.unwrap())) == shown && recorded.passes.len() < all);
     let bytes: Vec<u8> = data.roughness.iter().flat_map(|r| [(r * 255.0).round() as u8, 128, 0, 255]).collect();
-    let image = engine.upload(BYTES, [64, 48], &bytes);
-    let image_input = ImageInput::color(image.handle(), image.all().view(), BYTES, [64, 48]);
+    let image = engine.upload(BYTES, [66, 49], &bytes);
+    let image_input = ImageInput::color(image.handle(), image.all().view(), BYTES, [66, 49]);
     let input = FrameInput {
         reflectivity: FactorInput::Channel(image_input, 1),
         roughness: FactorInput::Channel(image_input, 0),

@@ -198,13 +198,13 @@ fn a_moved_reflector_with_motion_given_is_what_the_laboratory_makes_of_it() {
 fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
-    let data = crate::common::engine::view_of_rooms(&gpu, [32, 24]);
+    let data = crate::common::engine::view_of_rooms(&gpu, [34, 25]);
     let context = engine.context();
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let reflections_info = ReflectionsInfo { parameters: &PARAMETERS[..1], ..info(&data, "unified") };
     let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
-    let still = vec![[f32::NAN; 2]; 32 * 24];
-    let image = engine.upload(MOTION_FORMAT, [32, 24], bytemuck::cast_slice(&still));
+    let still = vec![[f32::NAN; 2]; 34 * 25];
+    let image = engine.upload(MOTION_FORMAT, [34, 25], bytemuck::cast_slice(&still));
     let good = motion(&image, [1.0, 1.0]);
     let mut refused = |change: &dyn Fn(&mut MotionInput), words: &str| {
         let mut motion = good;
@@ -213,7 +213,7 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
         let message = engine.frame(&mut reflections, &input).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(message.contains(words), "{words}: {message:?}");
     };
-    refused(&|m| m.image.extent = [32, 25], "the input motion is 32x25 pixels; it must be 32x24");
+    refused(&|m| m.image.extent = [34, 26], "the input motion is 34x26 pixels; it must be 34x25");
     refused(
         &|m| m.image.format = vk::Format::R32_SFLOAT,
         "the input motion has the format R32_SFLOAT, which has no green",

@@ -150,7 +150,7 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
     folder.write_boards(".", &["ahead"]);
     let scene = folder.path("boards.scene.toml");
     let run = |more: &[&str]| {
-        let what = ["error", "--scene", scene.to_str().unwrap(), "--roughness", "0", "--size", "64x36", "--quick"];
+        let what = ["error", "--scene", scene.to_str().unwrap(), "--roughness", "0", "--size", "66x37", "--quick"];
         let how = ["--no-sweep", "--samples", "1", "--rays", "2", "--json"];
         ssct(&[&what[..], &how, more].concat())
     };

@@ -103,7 +103,7 @@ fn a_drawing_with_a_script_is_not_copied() {
 /// A journal whose method is a path is refused with its line. Names of methods become names of files.
 #[test]
 fn a_method_that_is_a_path_is_refused() {
-    let place = ["precision", "--scene", boards(), "--view", "ahead", "--size", "32x18", "--rays", "2"];
+    let place = ["precision", "--scene", boards(), "--view", "ahead", "--size", "34x19", "--rays", "2"];
     let folder = run_of(&[&place[..], &["--method", "ssct", "--roughness", "0"]].concat());
     change(&folder, "part/journal.jsonl", |entry| {
         entry["value"].as_array_mut().unwrap().iter_mut().for_each(|r| r["method"] = json!("x/../../../escaped"));
@@ -190,7 +190,7 @@ fn a_broken_merge_goes_on_and_nothing_is_written_over_that_is_not_merged() {
 /// A list of cells that claims 10^18 samples is refused with a limit, before a merge allocates memory for them.
 #[test]
 fn samples_without_number_are_refused_before_memory_is_taken() {
-    let folder = run_of(&["time", "--scene", boards(), "--size", "32x18", "--samples", "1", "--method", "ssct"]);
+    let folder = run_of(&["time", "--scene", boards(), "--size", "34x19", "--samples", "1", "--method", "ssct"]);
     let text = folder.text("part/cells.json").replace("\"samples\": 1", "\"samples\": 1000000000000000000");
     folder.write("part/cells.json", text);
     let message = refused(&folder, &["merge", "part", "-o", "home/all"]);
@@ -202,7 +202,7 @@ fn samples_without_number_are_refused_before_memory_is_taken() {
 #[test]
 fn a_share_of_a_reference_names_no_other_file() {
     let folder = Folder::new();
-    let render = ["render", "--method", "reference", "--scene", boards(), "--size", "16x9", "--roughness", "0.3"];
+    let render = ["render", "--method", "reference", "--scene", boards(), "--size", "17x9", "--roughness", "0.3"];
     folder.succeed(&[&render[..], &["--max-rays", "16", "--shard", "1/1", "--cache", "part", "-o", "a.exr"]].concat());
     let part = folder.list("part").into_iter().find(|name| name.ends_with(".part.json")).unwrap();
     let mut share: Value = serde_json::from_str(&folder.text(&format!("part/{part}"))).unwrap();
@@ -357,7 +357,7 @@ fn a_help_that_finds_no_room_fails() {
 fn little_memory_is_called_that() {
     let program = env!("CARGO_BIN_EXE_ssct");
     let run_limited = |kib: u32| {
-        let command = format!("ulimit -v {kib}; exec \"{program}\" render --scene corridor --size 16x9 -o x.png");
+        let command = format!("ulimit -v {kib}; exec \"{program}\" render --scene corridor --size 17x9 -o x.png");
         Command::new("bash").args(["-c", &command]).current_dir(std::env::temp_dir()).output().unwrap()
     };
     let output = run_limited(200_000);
@@ -380,7 +380,7 @@ fn a_study_on_a_full_disk_keeps_what_it_measured() {
     let folder = Folder::new();
     let program = env!("CARGO_BIN_EXE_ssct");
     // A limit on the size of files makes writes fail as a full disk does.
-    let study = "time --scene corridor --size 32x18 --samples 40 --method ssct -o t --resume";
+    let study = "time --scene corridor --size 34x19 --samples 40 --method ssct -o t --resume";
     let run = |limit: &str| {
         let command = format!("trap '' XFSZ; {limit} exec \"{program}\" {study}");
         Command::new("bash").args(["-c", &command]).current_dir(folder.root()).output().unwrap()

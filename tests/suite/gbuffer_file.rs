@@ -93,7 +93,7 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
 #[test]
 fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     let folder = Folder::new();
-    let what = ["--scene", "rooms", "--view", "window", "--size", "32x18"];
+    let what = ["--scene", "rooms", "--view", "window", "--size", "34x19"];
     folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &what].concat());
     let reflect = ["gbuffer", "reflect", "g.exr", "--method", "traced", "-o", "r.png"];
     folder.succeed(&[&reflect[..], &["--triangles", "rooms"]].concat());
@@ -113,7 +113,7 @@ fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
 #[test]
 fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     let folder = Folder::new();
-    let what = ["--scene", "rooms", "--view", "corridor", "--roughness", "0.3", "--size", "64x36"];
+    let what = ["--scene", "rooms", "--view", "corridor", "--roughness", "0.3", "--size", "66x37"];
     folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &what].concat());
     let image = |more: &[&str]| {
         folder.succeed(&[&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"], more].concat());

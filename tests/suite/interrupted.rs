@@ -18,7 +18,7 @@ use std::process::{Child, Command, Output, Stdio};
 /// The program under test.
 const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
 /// A small run of `ssct time` with two methods.
-const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "32x18", "--method", "ssct,unified"];
+const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "34x19", "--method", "ssct,unified"];
 /// A small run of `ssct error`.
 const ERROR: [&str; 10] =
     ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--method", "ssct"];
@@ -197,7 +197,7 @@ fn check_questions(mut measure: impl FnMut(&mut dyn FnMut() -> Result<()>) -> Re
 /// may take minutes, in which a signal would go unheard.
 #[test]
 fn a_signal_ends_a_cell_between_its_steps() {
-    let (gpu, scene, size) = (gpu(), built_in("corridor"), [32, 18]);
+    let (gpu, scene, size) = (gpu(), built_in("corridor"), [34, 19]);
     let (view, methods) = (&scene.views[0], [methods::find("dda").unwrap()]);
     check_questions(|go_on| {
         let (globals, setup) = (Globals { roughness: Some(0.0), ..Globals::default() }, Setup::new(size));
@@ -262,7 +262,7 @@ fn no_room_and_no_right_to_write_are_sentences() {
         ("render --scene corridor --size 96x54 -o x.png", "x.png"),
         ("render --scene corridor --size 96x54 -o x.exr", "x.exr"),
         ("gbuffer export --scene corridor --size 96x54 g.exr", "g.exr"),
-        ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "cells.json"),
+        ("time --scene corridor --size 34x19 --method ssct --samples 3 -o t", "cells.json"),
     ] {
         let (status, message) = run_limited(args);
         // The study writes its first file before it opens a device.

@@ -17,13 +17,13 @@ fn records(folder: &Folder, arguments: &[&str]) -> Vec<Value> {
 fn a_value_that_a_list_names_twice_counts_once() {
     let folder = Folder::new();
     let time = ["time", "--scene", "rooms", "--samples", "2", "--warmup", "0"];
-    let twice = ["--size", "16x9,16X9", "--method", "linear,linear", "--roughness", "0.1,0.10"];
+    let twice = ["--size", "17x9,17X9", "--method", "linear,linear", "--roughness", "0.1,0.10"];
     let records_found = records(&folder, &[&time[..], &twice].concat());
     assert_eq!(records_found.len(), 1, "{records_found:?}");
     assert_eq!(records_found[0]["total"]["samples"], 2);
-    let variants = ["--size", "16x9", "--variant", "linear", "--variant", "linear"];
+    let variants = ["--size", "17x9", "--variant", "linear", "--variant", "linear"];
     assert_eq!(records(&folder, &[&time[..], &variants].concat()).len(), 1);
-    let two = ["--size", "16x9,18x9", "--method", "linear"];
+    let two = ["--size", "17x9,18x9", "--method", "linear"];
     assert_eq!(records(&folder, &[&time[..], &two].concat()).len(), 2, "different values are all measured");
 }
 
@@ -32,7 +32,7 @@ fn a_value_that_a_list_names_twice_counts_once() {
 #[test]
 fn each_table_of_an_error_names_its_average() {
     let folder = Folder::new();
-    let run = ["error", "--scene", "rooms", "--size", "32x18", "--method", "linear", "--roughness", "0.1,0.1"];
+    let run = ["error", "--scene", "rooms", "--size", "34x19", "--method", "linear", "--roughness", "0.1,0.1"];
     let run = [&run[..], &["--samples", "1", "--rays", "4", "--no-sweep", "-o", "e"]].concat();
     let output = folder.run(&run);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -79,7 +79,7 @@ fn three_hundred_materials_are_mirrored_at_eight_planes() {
         let up = Vec3::new(0.0, tilt.sin(), tilt.cos()) * 6.0;
         b.quad(mirror, Vec3::new(x, -1.0, 2.0), Vec3::X * 2.0, up, Vec3::new(0.0, tilt.cos(), -tilt.sin()));
     }
-    let extent = [64, 36];
+    let extent = [66, 37];
     let seen = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.0, 6.0), extent);
     let setup = Setup::new(extent).with(|p: &mut PlanarParams| p.planar_planes = 8);
     let shown = show(&gpu(), &b.0, seen, "planar", &setup, &Globals::default());

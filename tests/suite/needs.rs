@@ -8,9 +8,10 @@ use ssct::methods::thesis::{ConeAngle, ConeParams, FadeParams};
 use ssct::methods::{METHODS, MethodInfo, Setup, Wants, find};
 use ssct_lab::stage::{Globals, Shot, Stage, image};
 use ssct_scenes::{Scene, library};
+use std::collections::BTreeMap;
 
 /// Size of the images in pixels.
-const SIZE: [u32; 2] = [64, 36];
+const SIZE: [u32; 2] = [66, 37];
 
 /// Returns whether a method's reflection is black in every view of a scene.
 fn is_black(stage: &mut Stage, scene: &Scene, method: &MethodInfo) -> bool {
@@ -33,22 +34,28 @@ fn corridor(stage: &mut Stage, scene: &Scene, (method, setup): (&str, &Setup), r
     image::render(stage, &shot, false).unwrap().reflection
 }
 
-/// In every built-in scene, the reflection of every method with a need is black in all views if the scene lacks what it
-/// needs, and in no other case. A need that is declared wrongly would hide a method, or judge a black image.
+/// In every built-in scene that lacks what a method needs, its reflection is black in all views, and in the first scenes
+/// that have it, it is not (`golden` has its image in every scene). A need that is declared wrongly would hide a method,
+/// or judge a black image.
 #[test]
 fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
     let gpu = common::gpu();
-    let (mut seen, mut black) = (0, 0);
+    let (mut seen, mut black) = (BTreeMap::new(), 0);
     for name in library::names() {
-        let scene = library::scene(name).unwrap();
+        let scene = common::built_in(name);
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         for method in METHODS.iter().filter(|m| !m.needs.is_empty()) {
             let lacks = method.unmet_needs(&scene);
+            let times_seen = seen.entry(method.name).or_insert(0);
+            // Making impostors and cube maps takes a second or two.
+            if lacks.is_empty() && *times_seen == 2 {
+                continue;
+            }
             assert_eq!(is_black(&mut stage, &scene, method), !lacks.is_empty(), "{} in {name}: {lacks:?}", method.name);
-            *if lacks.is_empty() { &mut seen } else { &mut black } += 1;
+            *if lacks.is_empty() { times_seen } else { &mut black } += 1;
         }
     }
-    assert!(seen > 10 && black > 3, "{seen} are seen, {black} are black");
+    assert!(seen.values().all(|times| *times > 0) && black > 3, "{seen:?} are seen, {black} are black");
 }
 
 /// `ssct error` leaves out methods that would show nothing, says so, and refuses a list of such methods alone; `render`
@@ -57,7 +64,7 @@ fn a_method_is_black_where_it_lacks_what_it_needs_and_only_there() {
 fn what_a_study_compares_shows_something() {
     let folder = Folder::new();
     let small =
-        ["--view", "cylinder", "--size", "32x18", "--roughness", "0", "--samples", "1", "--rays", "2", "--no-sweep"];
+        ["--view", "cylinder", "--size", "34x19", "--roughness", "0", "--samples", "1", "--rays", "2", "--no-sweep"];
     let both = [&["error", "--scene", "rooms", "--method", "billboard,ssct,ibr", "-o", "out"], &small[..]].concat();
     let message = String::from_utf8(folder.run(&both).stderr).unwrap();
     assert!(
@@ -75,7 +82,7 @@ fn what_a_study_compares_shows_something() {
     assert!(message.contains("no method is left that would show anything in rooms"), "{message}");
 
     let render =
-        ["render", "--scene", "rooms", "--view", "cylinder", "--method", "billboard", "--size", "32x18", "-o", "a.png"];
+        ["render", "--scene", "rooms", "--view", "cylinder", "--method", "billboard", "--size", "34x19", "-o", "a.png"];
     let warned = folder.run(&render);
     assert!(warned.status.success());
     let message = String::from_utf8(warned.stderr).unwrap();

@@ -186,7 +186,7 @@ fn the_command_draws_with_queries_or_says_why_not() {
     let has = gpu().has_ray_queries();
     let output = |tracer| {
         let file = format!("{tracer}.png");
-        let size = ["--size", "64x36", "--validation", "--explain", "-o", &file];
+        let size = ["--size", "66x37", "--validation", "--explain", "-o", &file];
         folder.run(&[&["render", "--method", "traced", "--tracer", tracer], &size[..]].concat())
     };
     let query = output("query");

@@ -79,7 +79,7 @@ fn programs_compile_for_a_gpu_that_is_not_there() {
 #[test]
 fn a_gpu_that_is_not_there_draws_nothing_and_an_unknown_one_is_named() {
     let folder = Folder::new();
-    let render = ["render", "--scene", "rooms", "--size", "32x18", "-o", "a.png"];
+    let render = ["render", "--scene", "rooms", "--size", "34x19", "-o", "a.png"];
     let Some(output) = on_absent_gpu(&folder, "NAVI21", &render) else { return };
     let text = said(&output);
     assert!(output.status.code() == Some(1) && text.contains("its hardware is not there"), "{text}");
@@ -177,13 +177,13 @@ fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
         let output = command.output().unwrap();
         (output.status.code(), said(&output), output.stdout)
     };
-    let render = ["render", "--method", "ssct", "--size", "16x9", "-o", "out.png"];
+    let render = ["render", "--method", "ssct", "--size", "17x9", "-o", "out.png"];
     changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
     let (status, text, _) = run(&render, "shaders");
     assert_eq!((status, text.lines().count()), (Some(0), 1), "{text}");
     assert!(text.contains("shaders are compiled from ") && text.contains("SSCT_SHADERS"), "{text}");
     assert!(folder.image("out.png").pixels().all(|p| p.0 == [255, 0, 0]));
-    let time = ["time", "--method", "ssct", "--size", "16x9", "--samples", "2", "--json"];
+    let time = ["time", "--method", "ssct", "--size", "17x9", "--samples", "2", "--json"];
     let (status, text, records) = run(&time, "shaders");
     assert_eq!(status, Some(0), "{text}");
     let records: Vec<Value> = serde_json::from_slice(&records).unwrap();

@@ -286,7 +286,7 @@ fn divided(command: &[&str], records: &str) -> Folders {
 /// are compared on one machine.
 #[test]
 fn times_are_divided_by_size_and_roughness() {
-    let study = ["time", "--scene", boards(), "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
+    let study = ["time", "--scene", boards(), "--size", "34x19,48x27", "--roughness", "0,0.1", "--samples", "3"];
     let folders = divided(&[&study[..], &["--method", "ssct,unified"]].concat(), "time.json");
     let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
     assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
@@ -314,7 +314,7 @@ fn of_another_device(folder: &Path) {
 /// two devices cannot be compared, so a merge that mixed them would be wrong.
 #[test]
 fn times_of_two_devices_stay_apart() {
-    let study = ["time", "--scene", boards(), "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
+    let study = ["time", "--scene", boards(), "--size", "34x19,48x27", "--samples", "3", "--method", "ssct,unified"];
     let folders = Folders::new();
     for n in [1, 2] {
         folders.shard(&study, n, 2);
@@ -358,10 +358,10 @@ fn times_of_two_devices_stay_apart() {
 #[test]
 fn other_studies_are_divided_too() {
     divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
-    let small = ["--scene", boards(), "--view", "ahead", "--size", "16x9", "--rays", "2", "--method", "ssct"];
+    let small = ["--scene", boards(), "--view", "ahead", "--size", "17x9", "--rays", "2", "--method", "ssct"];
     let study = |kind: &[&'static str]| [kind, &small].concat();
     divided(&study(&["video", "--way", "rest", "--frames", "2", "--roughness", "0,0.1"]), "video.json");
-    let age = ["age", "--scene", boards(), "--view", "ahead", "--size", "16x9", "--rays", "2", "--roughness", "0,0.1"];
+    let age = ["age", "--scene", boards(), "--view", "ahead", "--size", "17x9", "--rays", "2", "--roughness", "0,0.1"];
     let moves = [
         "--moving",
         "wall",
@@ -377,7 +377,7 @@ fn other_studies_are_divided_too() {
         "128",
     ];
     divided(&[&age[..], &moves].concat(), "age.json");
-    let path = ["path", "--scene", "corridor", "--size", "16x9,32x18", "--method", "ssct", "--frames", "3"];
+    let path = ["path", "--scene", "corridor", "--size", "17x9,34x19", "--method", "ssct", "--frames", "3"];
     divided(&path, "path.json");
 
     let folders = Folders::new();

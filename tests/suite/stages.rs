@@ -157,6 +157,9 @@ fn is_published(method: &&MethodInfo) -> bool {
     method.name != "unified" && method.read_parameters().iter().any(|p| p.name == "stage")
 }
 
+/// The methods that are tried on an image of one texel: together they make every kind of chain.
+const ONE_TEXEL: [&str; 3] = [thesis::INFO.name, poster::INFO.name, ssr_fast::INFO.name];
+
 /// Every method with each of its settings, at four sizes, makes equal images in both kinds of shader, without a message
 /// of the validation layers. A workgroup that misses a row at the border, or arithmetic that a compiler rounds
 /// otherwise, would differ.
@@ -167,11 +170,13 @@ fn every_method_makes_the_same_images_in_either_stage() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
     let mut shown = BTreeMap::new();
-    // An instrumented shader compiles for half a minute.
-    let sizes = if is_gpu_assisted() { &[[33, 18]][..] } else { &[[29, 19], [1, 1], [8, 8], [1, 9]] };
+    // An instrumented shader compiles for half a minute. A driver may compile a shader anew for sides that are powers of two, so
+    // that only what must have one has it: an image of one column, and the one texel, whose chains have a single level.
+    let sizes = if is_gpu_assisted() { &[[33, 18]][..] } else { &[[29, 19], [24, 24], [1, 9], [1, 1]] };
     for (n, extent) in sizes.iter().enumerate() {
         let mut place = Place { stage: &mut stage, camera: clutter_camera(*extent), materials: &materials };
-        for method in METHODS.iter().filter(is_published) {
+        let is_tried = |method: &&MethodInfo| *extent != [1, 1] || ONE_TEXEL.contains(&method.name);
+        for method in METHODS.iter().filter(is_published).filter(is_tried) {
             let all = setups(method, *extent);
             // The other sizes test how workgroups cover an image and its chain, for which one setup is enough.
             let tried = if n == 0 && !is_gpu_assisted() { &all[..] } else { &all[all.len() - 1..] };

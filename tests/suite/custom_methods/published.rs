@@ -57,7 +57,7 @@ fn a_file_of_the_folder_stands_in_the_place_of_the_built_in_one() {
     assert!(drawn(&folder, "ssct", "0") != drawn(&folder, "./m", "0"), "the folder's text is taken");
     // The error of a mistake has the path in the folder, and not that of the built-in file.
     folder.write("m/thesis/border_fade.glsl", text.replace("return 1.0", "return one"));
-    let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
+    let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "34x19"]);
     assert!(message.starts_with("./m/thesis/border_fade.glsl:9: 'one'"), "{message}");
 }
 
@@ -85,7 +85,7 @@ fn fields_that_are_missing_are_all_named_with_their_options_and_published_values
     for method in METHODS {
         let folder = with_example(method);
         let values = without_section(&folder, "values");
-        let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "32x18"]);
+        let message = sentence(&folder, &["render", "--method", "./m", "-o", "x.png", "--size", "34x19"]);
         let hints = hints(&message);
         for (name, value) in &values {
             // A value without a hint is that of a specialization constant, which has a default.

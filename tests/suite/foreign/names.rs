@@ -51,9 +51,9 @@ fn assert_safe(what: &str, text: &str) {
 #[test]
 fn a_bad_name_is_obeyed_by_nobody() {
     let folder = scene();
-    let scene = ["--scene", "bad.scene.toml", "--size", "16x9", "--roughness", "0", "--method", "linear"];
+    let scene = ["--scene", "bad.scene.toml", "--size", "17x9", "--roughness", "0", "--method", "linear"];
     let scene_command = |command: &[&'static str], more: &[&'static str]| [command, &scene[..], more].concat();
-    let size = ["--size", "16x9"];
+    let size = ["--size", "17x9"];
     let commands: Vec<Vec<&str>> = vec![
         scene_command(&["render"], &["-o", "a.png", "--json"]),
         scene_command(&["render"], &["--explain", "-o", "a.png"]),
@@ -127,7 +127,7 @@ fn a_bad_name_is_obeyed_by_nobody() {
 #[test]
 fn what_a_command_is_told_by_a_shard_is_printed_as_text() {
     let folder = scene();
-    let what = ["time", "--scene", "corridor", "--size", "16x9", "--samples", "1", "--method", "linear", "-o", "part"];
+    let what = ["time", "--scene", "corridor", "--size", "17x9", "--samples", "1", "--method", "linear", "-o", "part"];
     folder.succeed(&what);
     let text = folder.text("part/cells.json");
     let mut cells: Value = serde_json::from_str(&text).unwrap();
