@@ -373,7 +373,8 @@ fn captures_are_listed_written_and_read_again() {
     assert!(folder.succeed(&["captures", "room.scene.toml"]).contains("file"));
 }
 
-/// `devices` lists each device, and `--device` takes its index, or its name in upper or lower case.
+/// `devices` lists each device, and `--device` takes its index, or its name in upper or lower case. A number that is no
+/// index is part of a name, as a user of an "RTX 4090" may type it.
 #[test]
 fn devices_are_listed_with_the_index_that_device_takes() {
     let folder = folder();
@@ -384,7 +385,9 @@ fn devices_are_listed_with_the_index_that_device_takes() {
     assert_eq!(text.lines().count(), devices.len());
     let usable = devices.iter().find(|d| d["unsuitable"].is_null()).expect("a device that can be used");
     let (index, name) = (usable["index"].to_string(), usable["name"].as_str().unwrap());
-    for wanted in [index.as_str(), &name.to_uppercase()] {
+    let numbers = name.split(|c: char| !c.is_ascii_digit());
+    let number_in_name = numbers.filter(|n| n.parse::<usize>().is_ok_and(|n| n >= devices.len())).next_back();
+    for wanted in [index.as_str(), &name.to_uppercase()].into_iter().chain(number_in_name) {
         folder.succeed(&room("render", &["--size", "4x4", "-o", "x.png", "--device", wanted]));
     }
 }

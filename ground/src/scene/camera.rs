@@ -230,20 +230,20 @@ impl Camera {
     /// If there is a [`Camera::near_plane`], the third row of the matrix makes that plane the near plane (Lengyel 2005,
     /// for reversed depth). Depth is 1 − s (n · x + w) / z, where s keeps depth above 0 at the frustum's corners.
     pub fn view_to_clip_reversed(&self) -> Mat4 {
-        let fov = match (self.projection, self.lens.opening) {
-            (Some(projection), _) => return projection.matrix(true),
+        // Where the image ends to the left and right, and below and above, at a distance of 1 m.
+        let (usual, [horizontal, vertical]) = match (self.projection, self.lens.opening) {
+            (Some(projection), _) => (projection.matrix(true), projection.ends_at_one()),
             (None, FieldOfView::Height(height)) => return self.orthographic(height).matrix(true),
-            (None, FieldOfView::Angle(fov)) => fov,
+            (None, FieldOfView::Angle(fov)) => {
+                let up = f64::from(0.5 * fov).tan();
+                let right = up * f64::from(self.aspect);
+                (perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m), [[-right, right], [-up, up]])
+            }
         };
-        let usual = perspective(fov, self.aspect, self.lens.far_m, self.lens.near_m);
-        let Some(plane) = self.near_plane.map(|p| p.as_dvec4()) else { return usual };
-        let up = f64::from(0.5 * fov).tan();
-        let right = up * f64::from(self.aspect);
-        let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-        let steepest = corners
-            .map(|(x, y)| plane.truncate().dot(DVec3::new(x * right, y * up, 1.0)))
-            .into_iter()
-            .fold(0.0, f64::max);
+        let is_perspective = self.kind() == ProjectionKind::Perspective;
+        let Some(plane) = self.near_plane.filter(|_| is_perspective).map(|p| p.as_dvec4()) else { return usual };
+        let corners = horizontal.into_iter().flat_map(|x| vertical.map(|y| DVec3::new(x, y, 1.0)));
+        let steepest = corners.map(|corner| plane.truncate().dot(corner)).fold(0.0, f64::max);
         let scale = if steepest > 0.0 { 0.999 / steepest } else { 1.0 };
         let depth = (DVec4::Z - scale * plane).as_vec4();
         let mut rows = usual.transpose();
@@ -290,6 +290,13 @@ mod tests {
     #[test]
     fn a_mirrored_point_appears_where_the_mirror_shows_it() {
         let camera = Camera::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(0.5, 0.5, 4.0), Lens::default(), 1.5);
+        check_mirror(&camera);
+        check_mirror(&camera.jittered([20.0, -7.0], [90, 60]));
+        check_mirror(&Camera::of_projection(camera.world_to_view, camera.projection_numbers()));
+    }
+
+    /// Checks where points in front of a mirror and behind it appear to a camera that is reflected at the mirror.
+    fn check_mirror(camera: &Camera) {
         let normal = Vec3::new(0.1, 0.9, -0.2).normalize();
         let plane = normal.extend(0.3);
         let behind = camera.mirrored(plane);
@@ -315,7 +322,14 @@ mod tests {
     fn the_near_plane_keeps_the_order_of_depths() {
         let camera = Camera::new(Vec3::new(0.0, 1.6, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.5);
         let behind = camera.mirrored(Vec3::Y.extend(0.0));
-        let matrix = behind.view_to_clip_reversed();
+        // A shift of a quarter of the image adds corners that are steeper to the plane.
+        for matrix in [behind, behind.jittered([0.0, -15.0], [90, 60])].map(|camera| camera.view_to_clip_reversed()) {
+            check_order(matrix);
+        }
+    }
+
+    /// Checks that depths fall along rays away from the eye, and stay above 0.
+    fn check_order(matrix: Mat4) {
         for (x, y) in [(-1.0, -0.9), (0.0, -0.3), (0.9, 0.1)] {
             // A ray away from the eye through a point just behind the mirror. (Far away its depth tends to a
             // number above 0 that depends on the ray.)

@@ -68,7 +68,7 @@ impl CameraPath {
                 return fault("it lies more than 1e8 m from the origin");
             }
             if key.time_s.is_some_and(|t| t.abs() > MAX_TIME_S) {
-                return fault("its time is more than 1e9 s");
+                return fault("its time lies more than 1e9 s from 0");
             }
             if (key.look_at - key.eye).try_normalize().is_none() {
                 return fault("it looks at its own eye; look_at must be another point");
@@ -102,10 +102,8 @@ impl CameraPath {
             scene.views.iter().map(|v| KeyFrame { eye: v.eye, look_at: v.look_at, time_s: None }).collect();
         keys.dedup();
         if keys.len() < 2 {
-            return Err(Error::Usage(format!(
-                "scene {} has only one view, but a path through its views needs two",
-                scene.name
-            )));
+            let name = &scene.name;
+            return Err(Error::Usage(format!("scene {name} has no two different views, which a path needs")));
         }
         Self::new(VIEWS, keys)
     }
@@ -138,9 +136,9 @@ impl CameraPath {
     pub fn eye_and_look_at(&self, share: f32) -> (Vec3, Vec3) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let time = first + share.clamp(0.0, 1.0) * (last - first);
-        let n = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
-        let share_of_segment = share_of(time, self.times[n], self.times[n + 1]);
-        let points = self.points_around(n);
+        let segment = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
+        let share_of_segment = share_of(time, self.times[segment], self.times[segment + 1]);
+        let points = self.points_around(segment);
         let knots = knots(&points);
         let t = knots[1] + share_of_segment * (knots[2] - knots[1]);
         (spline(points.map(|(eye, _)| eye), knots, t), spline(points.map(|(_, look_at)| look_at), knots, t))
@@ -232,8 +230,8 @@ mod tests {
     }
 
     proptest! {
-        /// The centripetal spline stays within one segment length of its chord (Yuksel et al. 2011); the
-        /// uniform variant overshoots by the length of the neighbouring segments.
+        /// The centripetal spline stays within half a chord's length of the chords between its key frames (Yuksel et
+        /// al. 2011); the uniform variant overshoots by the length of the neighbouring segments.
         #[test]
         fn the_spline_does_not_overshoot(points in prop::collection::vec(prop::array::uniform3(-5.0..5.0_f32), 4)) {
             prop_assume!(points.windows(2).all(|p| Vec3::from(p[0]).distance(Vec3::from(p[1])) > 0.05));

@@ -73,11 +73,11 @@ impl Projection {
     pub(super) fn matrix(self, reversed: bool) -> Mat4 {
         let Self { kind, scale: [x, y], shift: [u, v], depth: [a, b] } = self;
         let [a, b] = if reversed { [a, b] } else { [1.0 - a, -b] };
-        let [z, w] = match kind {
+        let [third_column, fourth_column] = match kind {
             ProjectionKind::Perspective => [[u, v, a, 1.0], [0.0, 0.0, b, 0.0]],
             ProjectionKind::Orthographic => [[0.0, 0.0, b, 0.0], [u, v, a, 1.0]],
         };
-        Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], z, w])
+        Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], third_column, fourth_column])
     }
 
     /// The distances at which reversed depth is 1 (near plane) and 0 (far plane, infinity if a perspective has none).
@@ -88,6 +88,11 @@ impl Projection {
             // A near plane at the eye may be rounded to just behind it.
             ProjectionKind::Orthographic => [((1.0 - a) / b).max(0.0), -a / b],
         }
+    }
+
+    /// The x of the left and right end of a perspective's image, and the y of its lower and upper end, where z is 1.
+    pub(super) fn ends_at_one(&self) -> [[f64; 2]; 2] {
+        [0, 1].map(|axis| [-1.0, 1.0].map(|ndc| (ndc - f64::from(self.shift[axis])) / f64::from(self.scale[axis])))
     }
 
     /// How much the projection sees.
@@ -123,7 +128,7 @@ impl ReadProjection {
         if !clip.is_finite() {
             return Err("has numbers that are not finite");
         }
-        let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
+        let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis]; // the columns
         let kind = match clip.row(3).abs().to_array() {
             [0.0, 0.0, 1.0, 0.0] => ProjectionKind::Perspective,
             [0.0, 0.0, 0.0, 1.0] if w.w > 0.0 => ProjectionKind::Orthographic,

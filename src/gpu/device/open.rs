@@ -127,20 +127,21 @@ fn absent_hardware(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Op
         .then(|| "it has no memory, since its hardware is not there; ssct shaders can use it".into())
 }
 
+/// Reads name, driver, version and type of a device.
 fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInfo {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
     // SAFETY: the physical device belongs to the instance.
     unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
-    let p = properties.properties;
-    let v = p.api_version;
+    let device = properties.properties;
+    let api = device.api_version;
     DeviceInfo {
-        name: text(p.device_name_as_c_str()),
+        name: text(device.device_name_as_c_str()),
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))
             .trim()
             .to_owned(),
-        api: format!("{}.{}.{}", vk::api_version_major(v), vk::api_version_minor(v), vk::api_version_patch(v)),
-        kind: match p.device_type {
+        api: format!("{}.{}.{}", vk::api_version_major(api), vk::api_version_minor(api), vk::api_version_patch(api)),
+        kind: match device.device_type {
             vk::PhysicalDeviceType::DISCRETE_GPU => "discrete GPU",
             vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated GPU",
             vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual GPU",
@@ -205,7 +206,8 @@ fn choose(
             .ok_or_else(|| Error::NoDevice(reasons.join("; ")));
     };
     let names: Vec<_> = listing.iter().map(|(_, l)| format!("{} {}", l.index, l.info.name)).collect();
-    let by_index = wanted.parse::<usize>().ok();
+    // A number that is no index may be part of a name, as 4090 is.
+    let by_index = wanted.parse::<usize>().ok().filter(|index| listing.iter().any(|(_, l)| l.index == *index));
     let found = listing.into_iter().find(|(_, l)| match by_index {
         Some(index) => l.index == index,
         None => l.info.name.to_lowercase().contains(&wanted.to_lowercase()),
@@ -337,7 +339,7 @@ fn extensions(
         }
         names.push(ash::khr::swapchain::NAME.as_ptr());
     }
-    let ray_query_support = ray_queries::find(instance, physical, offers)
+    let ray_query_support = ray_queries::check_support(instance, physical, offers)
         .map_err(|lacked| format!("{name} has no ray queries: it lacks {lacked}; the tracer tree needs none"));
     if ray_query_support.is_ok() {
         names.extend(ray_queries::EXTENSIONS.map(CStr::as_ptr));

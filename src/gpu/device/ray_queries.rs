@@ -31,7 +31,7 @@ impl RayQueries {
 ///
 /// # Errors
 /// The name of the first extension or feature that the device lacks.
-pub fn find(
+pub fn check_support(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     offers: impl Fn(&CStr) -> bool,
