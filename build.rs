@@ -153,12 +153,12 @@ struct Compiler(shaderc::Compiler);
 
 #[cfg(feature = "compile-shaders")]
 impl Compiler {
-    fn new(_: &str) -> Result<Self, String> {
+    fn new(_fingerprint: &str) -> Result<Self, String> {
         shaderc::Compiler::new().map(Self).map_err(|e| format!("shaderc: {e}"))
     }
 
     /// Compiles a shader with macros, and returns the words of its SPIR-V.
-    fn words(&self, path: &Path, defines: &[String], _: &str) -> Result<Vec<u32>, String> {
+    fn words(&self, path: &Path, defines: &[String], _module: &str) -> Result<Vec<u32>, String> {
         Ok(glsl::compile(&self.0, Path::new(ROOT), path, defines)?.words)
     }
 }
@@ -197,7 +197,7 @@ impl Compiler {
     }
 
     /// Reads the words of a module from its file in the package. The header of SPIR-V has five words, or 20 bytes.
-    fn words(&self, _: &Path, _: &[String], module: &str) -> Result<Vec<u32>, String> {
+    fn words(&self, _path: &Path, _defines: &[String], module: &str) -> Result<Vec<u32>, String> {
         let path = Path::new(Self::PACKAGED).join(format!("{module}.spv"));
         let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         if bytes.len() < 20 || !bytes.len().is_multiple_of(4) {

@@ -24,14 +24,14 @@ fn declared(source: &str) -> Result<String, String> {
             continue;
         }
         if let Some(declaration) = line.strip_prefix("const ") {
-            let (ty, rest) = declaration.split_once(' ').unwrap_or_default();
-            let (name, value) = rest.split_once(" = ").unwrap_or_default();
+            let (ty, name_and_value) = declaration.split_once(' ').unwrap_or_default();
+            let (name, value) = name_and_value.split_once(" = ").unwrap_or_default();
             let (value, comment_beside) = value.split_once(';').unwrap_or_default();
             let (ty, value) = match ty {
                 "int" => ("i32", value),
                 "uint" => ("u32", value.trim_end_matches('u')),
                 "float" => ("f64", value),
-                _ => ("", ""),
+                _ => ("", ""), // refused below, as every declaration without a value is
             };
             let comment_beside = comment_beside.trim().trim_start_matches("// ");
             if value.is_empty() || (comment.is_empty() && comment_beside.is_empty()) {

@@ -183,8 +183,7 @@ impl Reflectors {
     /// Nothing is known of the frame, so that every kind may occur.
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
-    /// Returns the kinds that can occur in a frame with these values (0 to 1) in all pixels; `None` where a value
-    /// varies.
+    /// Returns the kinds that can occur in a frame with these values, 0 to 1, in all pixels; `None` if a value varies.
     pub fn for_constants(reflectivity: Option<f32>, roughness: Option<f32>) -> Self {
         let reflects = reflectivity.is_none_or(|value| f64::from(value) > constants::REFLECTS_ABOVE);
         let may_occur = |is_of_kind: fn(f32) -> bool| reflects && roughness.is_none_or(is_of_kind);

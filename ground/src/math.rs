@@ -36,6 +36,7 @@ pub fn display_byte(linear: f32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let mut byte = DISPLAY_BYTES.byte_of_part[(linear * DisplayBytes::PARTS as f32) as usize];
     while linear >= DISPLAY_BYTES.least_value[usize::from(byte) + 1] {
+        // A greater byte begins within the part, at or before the value.
         byte += 1;
     }
     byte

@@ -230,7 +230,7 @@ pub trait Choices: Copy + PartialEq + 'static {
         Self::ALL.iter().position(|v| *v == self).map_or("", |n| Self::CHOICES[n].name)
     }
 
-    /// The value of a name.
+    /// Returns the value with a name; `None` if no value has it.
     fn of_name(name: &str) -> Option<Self> {
         Self::CHOICES.iter().position(|c| c.name == name).map(|n| Self::ALL[n])
     }
@@ -270,7 +270,7 @@ pub struct Values {
 }
 
 impl Values {
-    /// The value of a parameter.
+    /// The value of a parameter: the one that was given, if the parameter's domain has it, or else the preset's.
     pub fn value(&self, parameter: &Parameter) -> Value {
         let given = self.given.get(parameter.name).copied().filter(|v| parameter.domain.has(*v));
         given.unwrap_or_else(|| parameter.preset_value(self.preset))
@@ -289,11 +289,11 @@ impl Values {
     /// Returns these values with some parameters changed by a function; only those that it changes are given a value.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
-        let mut all = P::from_values(self);
-        let before = all.list();
-        change(&mut all);
+        let mut parameters = P::from_values(self);
+        let before = parameters.list();
+        change(&mut parameters);
         let mut changed = self.clone();
-        for ((parameter, before), after) in P::table().iter().zip(before).zip(all.list()) {
+        for ((parameter, before), after) in P::table().iter().zip(before).zip(parameters.list()) {
             if before != after {
                 changed.set(parameter, after);
             }

@@ -45,8 +45,8 @@ pub fn title(file: &str, defines: &[String]) -> String {
     [&[file.to_owned()], defines].concat().join(" ")
 }
 
-/// Finds the images that compute permutations store to in place of the outputs of fragment permutations. These are the
-/// storage images that no fragment permutation has, in the order of the outputs.
+/// Sets [`Permutation::stored`]: the images that compute permutations store to in place of the outputs of fragment
+/// permutations. These are the storage images that no fragment permutation has, in the order of the outputs.
 pub fn find_stored(permutations: &mut [Permutation]) -> Result<(), String> {
     let fragments: Vec<&Interface> =
         permutations.iter().filter(|p| p.stage == Stage::Fragment).map(|p| &p.interface).collect();
@@ -227,24 +227,24 @@ pub fn declare_program(name: &str, permutations: &[Permutation], groups: &mut Gr
     let (generics, elided, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
     let pushed = push.map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
     let (constants_type, constants) = program_constants(name, permutations, groups)?;
-    let mut title = String::new();
+    let mut shader_list = String::new();
     let mut known_kinds = BTreeSet::new();
     for Permutation { file, named, stage, stored, .. } in permutations {
         if !known_kinds.insert((*stage, &named.rays, stored)) {
             return Err(format!("{file}: another permutation has the same stage and the same source of rays"));
         }
-        let _ = writeln!(title, "/// - `{}/{}`", glsl::FOLDER, self::title(file, &named.defines));
+        let _ = writeln!(shader_list, "/// - `{}/{}`", glsl::FOLDER, title(file, &named.defines));
     }
     let compiled: String = permutations.iter().map(permutation_code).collect();
-    let (found, argument) = match &arms[..] {
+    let (lookup, argument) = match &arms[..] {
         "" => ("None".to_owned(), "_"),
         arms => (format!("Some(match name {{\n{arms}            _ => return None,\n        }})"), "name"),
     };
     let mut text = format!(
-        "/// What these shaders read:\n///\n{title}#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
+        "/// What these shaders read:\n///\n{shader_list}#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
          impl Program for {name}{elided} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
          const PERMUTATIONS: &'static [Permutation] = &[\n{compiled}    ];\n    \
-         fn resource(&self, {argument}: &str) -> Option<Resource<'_>> {{\n        {found}\n    }}\n    \
+         fn resource(&self, {argument}: &str) -> Option<Resource<'_>> {{\n        {lookup}\n    }}\n    \
          fn push(&self) -> &[u8] {{ {pushed} }}\n}}\n{constants}"
     );
     let find = |stage: Stage| permutations.iter().find(|p| p.stage == stage);

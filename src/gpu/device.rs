@@ -162,7 +162,7 @@ pub struct Shared {
     pub(crate) limits: vk::PhysicalDeviceLimits,
     pub(crate) timestamp_mask: u64,
     pub(crate) has_pipeline_statistics: bool,
-    /// Pixels along a side of the largest point.
+    /// Pixels along a side of the largest point that the device draws.
     pub(crate) largest_point: f32,
     pub(crate) numbers_triangles: bool,
     /// The functions that ask about compiled pipelines, on a device that compiles only.
@@ -329,12 +329,12 @@ impl Gpu {
         self.shared.frame_timeout.get_or_init(|| (limit, give_up));
     }
 
-    /// Bytes of device memory now allocated through this handle.
+    /// Bytes of device memory that resources take; 0 if a caller's allocator gives the memory.
     pub fn allocated_bytes(&self) -> u64 {
         self.memory().bytes().0
     }
 
-    /// Bytes of the blocks of device memory that the allocator holds.
+    /// Bytes of the blocks of device memory that the allocator holds; 0 for a caller's allocator.
     pub fn reserved_bytes(&self) -> u64 {
         self.memory().bytes().1
     }
@@ -348,7 +348,7 @@ impl Gpu {
         v11.subgroup_size
     }
 
-    /// Pixels along a side of the largest point.
+    /// Pixels along a side of the largest point that the device draws.
     pub fn largest_point(&self) -> f32 {
         self.shared.largest_point
     }

@@ -76,6 +76,7 @@ impl Executables {
         self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner).push(pass_pipeline);
     }
 
+    /// Takes out the passes that were noted since the last call.
     fn take_passes(&self) -> Vec<PassPipeline> {
         std::mem::take(&mut *self.pass_pipelines.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -115,6 +116,7 @@ fn stages(flags: vk::ShaderStageFlags) -> String {
     if names.is_empty() { format!("{flags:?}") } else { names.join("+") }
 }
 
+/// Converts a driver's statistic, whatever the type of its number, to one with an f64.
 fn statistic(stated: &vk::PipelineExecutableStatisticKHR) -> Statistic {
     use vk::PipelineExecutableStatisticFormatKHR as Format;
     // SAFETY: the format says which field of the union the driver wrote.

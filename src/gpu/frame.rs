@@ -372,12 +372,12 @@ impl Frame<'_> {
 
     /// Makes everything before the barrier done and visible to everything after it.
     fn full_barrier(&self) {
-        let all = vk::MemoryBarrier2::default()
+        let barrier = vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
             .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
             .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
             .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE);
-        let barriers = [all];
+        let barriers = [barrier];
         let info = vk::DependencyInfo::default().memory_barriers(&barriers);
         // SAFETY: outside rendering.
         unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };

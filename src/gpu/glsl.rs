@@ -85,20 +85,19 @@ impl NamedProgram {
 const IN_EITHER_STAGE: &str = "in_either_stage";
 
 /// Reads the pragmas `in_either_stage` of a source. Each asks that every program of the source is compiled once more,
-/// as a compute shader with COMPUTE and the macros in the pragma's brackets defined. Returns these macros of each
-/// pragma.
+/// as a compute shader with COMPUTE and the macros in the pragma's brackets defined. Returns each pragma's macros.
 ///
 /// # Errors
 /// A sentence about a pragma that has another form.
 pub fn in_either_stage(source: &str, path: &Path) -> Result<Vec<Vec<String>>, String> {
     let mut found = Vec::new();
     for (line, text) in source.lines().enumerate() {
-        let Some(rest) = text.strip_prefix("#pragma ").and_then(|text| text.strip_prefix(IN_EITHER_STAGE)) else {
+        let Some(brackets) = text.strip_prefix("#pragma ").and_then(|text| text.strip_prefix(IN_EITHER_STAGE)) else {
             continue;
         };
-        let defines = match rest {
+        let defines = match brackets {
             "" => Some(Vec::new()),
-            _ => rest.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).and_then(words),
+            _ => brackets.strip_prefix('(').and_then(|list| list.strip_suffix(')')).and_then(words),
         };
         found.push(defines.ok_or_else(|| {
             format!(
@@ -145,15 +144,16 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<NamedProgram>, String> 
 
 /// Reads the text in the brackets of `#pragma program(…)`, such as `Name: RaySource, DEFINED`; `None` for a wrong form.
 fn read_program(list: &str) -> Option<NamedProgram> {
-    let (rays, list) = match list.split_once(':') {
+    let (rays, name_and_defines) = match list.split_once(':') {
         None => (None, list.to_owned()),
         Some((name, _)) if name.contains(',') => return None,
-        Some((name, rest)) => {
-            let (rays, defines) = rest.split_once(',').map_or((rest, String::new()), |(r, d)| (r, format!(",{d}")));
-            (Some(words(rays)?.remove(0)), format!("{name}{defines}"))
+        Some((name, after_colon)) => {
+            let (rays, defines) = after_colon.split_once(',').unwrap_or((after_colon, ""));
+            let separator = if after_colon.contains(',') { "," } else { "" };
+            (Some(words(rays)?.remove(0)), format!("{name}{separator}{defines}"))
         }
     };
-    let mut words = words(&list)?;
+    let mut words = words(&name_and_defines)?;
     Some(NamedProgram { name: words.remove(0), rays, defines: words })
 }
 

@@ -408,6 +408,7 @@ impl OwnedImage {
         }
     }
 
+    /// Makes a view of some levels and layers, which debuggers show by a name of its own.
     fn view(&self, kind: vk::ImageViewType, range: vk::ImageSubresourceRange) -> Result<vk::ImageView> {
         let info = vk::ImageViewCreateInfo::default()
             .image(self.handle)
@@ -422,6 +423,7 @@ impl OwnedImage {
         Ok(view)
     }
 
+    /// The aspects of the image's format: depth, depth and stencil, or colour.
     pub(crate) fn aspect(&self) -> vk::ImageAspectFlags {
         match self.format {
             vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,

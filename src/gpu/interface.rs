@@ -195,6 +195,7 @@ impl<'a> Reflection<'a> {
         }
     }
 
+    /// Returns the value that a constant of 32 bits declares.
     fn constant_u32(&self, id: Word) -> Result<u32, String> {
         match self.definition(id).map(|d| d.operands.as_slice()) {
             Some([Operand::LiteralBit32(v)]) => Ok(*v),

@@ -9,13 +9,13 @@ use ash::vk;
 pub(super) const MAX_DESCRIPTORS: u32 = 32;
 
 /// Checks that a device can run the shaders of one pipeline; `bindings` are those of all its shaders. The error names
-/// the shader and the limit that it exceeds.
+/// the last shader, which shades or computes, and the limit that is exceeded.
 pub(super) fn check(gpu: &Gpu, shaders: &[&Shader], bindings: &[Binding]) -> Result<()> {
     let Some(shader) = shaders.last() else { return Ok(()) };
     match first_excess(&gpu.shared().limits, shader.local_size, bindings) {
         None => Ok(()),
-        Some((what, has, most)) => Err(Error::NoDevice(format!(
-            "the shader {} has {has} {what}; {} takes at most {most}",
+        Some((what, count, most)) => Err(Error::NoDevice(format!(
+            "the shader {} has {count} {what}; {} takes at most {most}",
             shader.name,
             gpu.info().name
         ))),
@@ -42,7 +42,7 @@ fn first_excess(
         ("threads a workgroup", local_size.iter().product(), limits.max_compute_work_group_invocations),
     ]
     .into_iter()
-    .find(|(_, has, most)| has > most)
+    .find(|(_, count, most)| count > most)
 }
 
 #[cfg(test)]
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_excess_is_told() {
+    fn the_first_limit_that_is_exceeded_is_named() {
         let binding = |kind, count| Binding { name: "b", binding: 0, kind, count };
         let mut limits = vk::PhysicalDeviceLimits {
             max_per_stage_descriptor_sampled_images: 64,

@@ -65,9 +65,6 @@ pub fn make_shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Resul
 
 impl LooseProgram {
     /// Makes a fragment program over whole targets of some formats. The input at location 0 is texture coordinates.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn fragment(
         gpu: &Gpu,
         shader: &'static Shader,
@@ -80,9 +77,6 @@ impl LooseProgram {
     }
 
     /// Makes a compute program.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
         let pipeline = SharedPipeline::compute(gpu, shader, constants.to_vec())?;
         Ok(Self { shader, pipeline, _gpu: gpu.clone() })
@@ -96,9 +90,6 @@ impl LooseProgram {
 
 impl Frame<'_> {
     /// Records a pass of a fragment program over whole targets, all of one size.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn draw_loose(
         &mut self,
         name: &str,
@@ -111,9 +102,6 @@ impl Frame<'_> {
     }
 
     /// Records a pass of a compute program.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn dispatch_loose(
         &mut self,
         name: &str,

@@ -170,6 +170,7 @@ impl Allocation {
         }
     }
 
+    /// The memory for the host to write; `None` if the memory is not mapped.
     fn bytes_mut(&mut self) -> Option<&mut [u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice_mut(),
@@ -318,6 +319,7 @@ impl Drop for TexelBuffer {
     }
 }
 
+/// Allocates memory for the image or the buffer `name`; `linear` is false for an image of optimal tiling.
 pub(super) fn allocate(
     gpu: &Gpu,
     name: &str,
@@ -330,6 +332,7 @@ pub(super) fn allocate(
         .map_err(|message| Error::Memory { what: name.to_owned(), message })
 }
 
+/// Frees the memory of an image or a buffer that is destroyed, if it has any.
 pub(super) fn release(gpu: &Gpu, allocation: Option<Allocation>) {
     if let Some(allocation) = allocation {
         gpu.memory().free(allocation);

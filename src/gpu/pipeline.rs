@@ -90,7 +90,7 @@ pub struct VertexInput<'a> {
     pub attributes: &'a [(vk::Format, u32)],
 }
 
-/// The primitives that a graphics pipeline draws.
+/// The primitives that a graphics pipeline draws. Without an input, shaders make vertices from their numbers.
 pub(super) enum Geometry<'a> {
     Triangles(Option<VertexInput<'a>>),
     Points,
@@ -280,6 +280,7 @@ impl SharedPipeline {
         gpu.cached_pipeline(key, || Self::new_graphics(gpu, stages, geometry, targets, depth))
     }
 
+    /// Compiles the pipeline of [`Self::graphics`].
     fn new_graphics(
         gpu: &Gpu,
         &Stages { vertex, fragment, constants }: &Stages,
@@ -367,8 +368,8 @@ impl SharedPipeline {
             .layout(layout.pipeline)
             .push_next(&mut rendering);
         // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
-        let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let handle = only_pipeline(made, fragment.name)?;
+        let created = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let handle = only_pipeline(created, fragment.name)?;
         gpu.name(handle, fragment.name);
         let constants = constants.to_vec();
         Ok(Self { layout, handle, name: fragment.name, constants, local_size: [0; 3], settled: Arc::default() })
@@ -387,6 +388,7 @@ impl SharedPipeline {
         gpu.cached_pipeline(key, || Self::new_compute(gpu, shader, &constants))
     }
 
+    /// Compiles the pipeline of [`Self::compute`].
     fn new_compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
@@ -397,8 +399,8 @@ impl SharedPipeline {
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialized))
             .layout(layout.pipeline);
         // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
-        let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let handle = only_pipeline(made, shader.name)?;
+        let created = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let handle = only_pipeline(created, shader.name)?;
         gpu.name(handle, shader.name);
         let (constants, local_size) = (constants.to_vec(), shader.local_size);
         Ok(Self { layout, handle, name: shader.name, constants, local_size, settled: Arc::default() })
@@ -473,11 +475,11 @@ fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>,
 
 /// Returns the one pipeline that a call made, or the call's error with the pipeline's name.
 fn only_pipeline(
-    made: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
+    created: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
     name: &str,
 ) -> Result<vk::Pipeline> {
     let pipelines =
-        made.map_err(|(_, result)| Error::Vulkan { what: format!("creating the pipeline {name}"), result })?;
+        created.map_err(|(_, result)| Error::Vulkan { what: format!("creating the pipeline {name}"), result })?;
     pipelines.first().copied().ok_or_else(|| Error::Vulkan {
         what: format!("creating the pipeline {name}"),
         result: vk::Result::ERROR_UNKNOWN,

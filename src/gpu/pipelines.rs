@@ -65,8 +65,8 @@ impl Gpu {
             return Ok(kept);
         }
         // The pipeline is compiled without the lock, since compiling takes long.
-        let made = Arc::new(make()?);
-        Ok(pipelines.lock().insert(key, made))
+        let compiled = Arc::new(make()?);
+        Ok(pipelines.lock().insert(key, compiled))
     }
 
     /// Destroys the pipelines that nothing uses now.
@@ -101,8 +101,8 @@ impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
         Some(Arc::clone(value))
     }
 
-    /// Keeps a value that was made, or returns the kept one if another thread was faster.
-    fn insert(&mut self, key: K, made: Arc<T>) -> Arc<T> {
+    /// Keeps a new value, and returns it, or returns the kept value if another thread was faster.
+    fn insert(&mut self, key: K, new: Arc<T>) -> Arc<T> {
         if let Some(kept) = self.get(&key) {
             return kept;
         }
@@ -111,8 +111,8 @@ impl<K: Clone + Eq + Hash, T> KeyedCache<K, T> {
             let oldest = unused.min_by_key(|(_, (last_request, _))| *last_request).map(|(key, _)| key.clone());
             oldest.and_then(|key| self.values.remove(&key));
         }
-        self.values.insert(key, (self.requests, Arc::clone(&made)));
-        made
+        self.values.insert(key, (self.requests, Arc::clone(&new)));
+        new
     }
 
     /// Drops the values that nobody uses now.
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn the_one_that_was_unused_longest_goes_first() {
+    fn a_full_cache_drops_the_unused_value_that_was_asked_for_least_recently() {
         let mut kept = KeyedCache::default();
         let used = kept.insert(0, Arc::new(0));
         (1..PIPELINE_LIMIT).for_each(|n| drop(kept.insert(n, Arc::new(n))));
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn more_are_kept_while_all_are_used() {
+    fn values_in_use_are_kept_beyond_the_limit() {
         let mut kept = KeyedCache::default();
         let used: Vec<_> = (0..PIPELINE_LIMIT + 3).map(|n| kept.insert(n, Arc::new(n))).collect();
         assert_eq!(kept.values.len(), used.len());

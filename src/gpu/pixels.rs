@@ -91,9 +91,6 @@ impl<F: InEitherStage> StoringPipeline<F> {
     }
 
     /// Compiles the same permutation for the same targets with other constants.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn with_constants(&self, gpu: &Gpu, constants: &F::Constants) -> Result<Self> {
         Self::of_permutation(gpu, self.permutation, Arc::clone(&self.unwanted), constants)
     }
@@ -122,9 +119,9 @@ mod tests {
     fn the_compute_program_is_that_of_the_targets_formats() {
         let name =
             |format| find_permutation::<HiZ>(ShaderStage::Compute.into(), &[format]).map(|found| found.shader.name);
-        let both = name(vk::Format::R32G32_SFLOAT).unwrap();
+        let two_depths = name(vk::Format::R32G32_SFLOAT).unwrap();
         let minimum = name(vk::Format::R32_SFLOAT).unwrap();
-        assert_eq!((both, minimum), ("thesis/hi_z.frag COMPUTE", "thesis/hi_z.frag COMPUTE MINIMUM"));
+        assert_eq!((two_depths, minimum), ("thesis/hi_z.frag COMPUTE", "thesis/hi_z.frag COMPUTE MINIMUM"));
         let refused = name(vk::Format::R8_UNORM).unwrap_err().to_string();
         assert!(refused.contains("thesis/hi_z.frag") && refused.contains("R8_UNORM"), "{refused}");
     }

@@ -170,14 +170,14 @@ pub(super) const fn permutations_agree(fragments: &[Permutation], vertex: &Shade
     true
 }
 
-/// Whether two stages of a pipeline agree on the bindings that both have.
-const fn bindings_agree(a: &Shader, b: &Shader) -> bool {
+/// Whether the two stages of a pipeline agree on the kind and the count of the bindings that both have.
+const fn bindings_agree(fragment: &Shader, vertex: &Shader) -> bool {
     let mut i = 0;
-    while i < a.bindings.len() {
+    while i < fragment.bindings.len() {
         let mut j = 0;
-        while j < b.bindings.len() {
-            let (one, other) = (&a.bindings[i], &b.bindings[j]);
-            if one.binding == other.binding && (one.kind as u8 != other.kind as u8 || one.count != other.count) {
+        while j < vertex.bindings.len() {
+            let (own, other) = (&fragment.bindings[i], &vertex.bindings[j]);
+            if own.binding == other.binding && (own.kind as u8 != other.kind as u8 || own.count != other.count) {
                 return false;
             }
             j += 1;

@@ -156,6 +156,7 @@ impl Drop for Level {
     }
 }
 
+/// Wraps an address on the device in the union by which Vulkan takes an address on the device or the host.
 fn address(device_address: u64) -> vk::DeviceOrHostAddressConstKHR {
     vk::DeviceOrHostAddressConstKHR { device_address }
 }

@@ -59,7 +59,7 @@ impl FrameContext {
     /// # Panics
     /// If `slice` covers more than one depth slice of a volume, since these are read one by one.
     pub fn read(&mut self, slice: ImageSlice) -> Result<Pixels> {
-        assert_eq!(slice.slices().1, 1, "{}: a volume is read slice by slice", slice.image().name());
+        assert_eq!(slice.slices().len(), 1, "{}: a volume is read slice by slice", slice.image().name());
         let format = slice.image().format();
         let (channels, texel_bytes, decode) = decoder(format)
             .ok_or_else(|| Error::Usage(format!("{}: {format:?} cannot be read back", slice.image().name())))?;

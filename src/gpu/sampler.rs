@@ -21,7 +21,7 @@ impl Samplers {
     /// Makes all samplers; if one fails, destroys those that were made.
     pub(super) fn new(device: &ash::Device, anisotropy: bool, limits: &vk::PhysicalDeviceLimits) -> Result<Self> {
         use vk::{Filter as F, SamplerAddressMode as A, SamplerMipmapMode as M};
-        let mut made = Self([vk::Sampler::null(); 3]);
+        let mut samplers = Self([vk::Sampler::null(); 3]);
         let kinds = [
             (F::NEAREST, M::NEAREST, A::CLAMP_TO_EDGE, false),
             (F::LINEAR, M::LINEAR, A::CLAMP_TO_EDGE, false),
@@ -40,15 +40,15 @@ impl Samplers {
                 .max_lod(vk::LOD_CLAMP_NONE);
             // SAFETY: the create info is complete; destroyed by `destroy`.
             match unsafe { device.create_sampler(&info, None) } {
-                Ok(sampler) => made.0[i] = sampler,
+                Ok(sampler) => samplers.0[i] = sampler,
                 Err(result) => {
                     // SAFETY: nothing uses the samplers yet; null is allowed.
-                    unsafe { made.destroy(device) };
+                    unsafe { samplers.destroy(device) };
                     return Err(Error::Vulkan { what: "vkCreateSampler".into(), result });
                 }
             }
         }
-        Ok(made)
+        Ok(samplers)
     }
 
     pub(super) fn get(&self, sampler: Sampler) -> vk::Sampler {

@@ -48,19 +48,19 @@ impl Sources {
 /// A sentence that says what differs.
 pub fn code_that_fits(shader: &Shader, words: &[u32]) -> std::result::Result<Arc<[u8]>, String> {
     let built_words: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
-    let (built, now) = (Interface::from_words(&built_words, shader.name)?, Interface::from_words(words, shader.name)?);
-    if built == now {
+    let (built, new) = (Interface::from_words(&built_words, shader.name)?, Interface::from_words(words, shader.name)?);
+    if built == new {
         return Ok(words.iter().flat_map(|word| word.to_le_bytes()).collect());
     }
-    let what = if built.bindings != now.bindings {
+    let what = if built.bindings != new.bindings {
         "its bindings"
-    } else if built.blocks != now.blocks || built.push != now.push {
+    } else if built.blocks != new.blocks || built.push != new.push {
         "a uniform or push-constant block"
-    } else if built.outputs != now.outputs {
+    } else if built.outputs != new.outputs {
         "its outputs"
-    } else if built.constants != now.constants {
+    } else if built.constants != new.constants {
         "its specialization constants"
-    } else if built.formats != now.formats {
+    } else if built.formats != new.formats {
         "the format of an image"
     } else {
         "its workgroup size"
@@ -92,7 +92,7 @@ pub fn code_from_folder(shader: &Shader) -> Result<Option<Arc<[u8]>>> {
     if let Some(code) = compiled.get(shader.name) {
         return Ok(Some(Arc::clone(code)));
     }
-    let made = sources.compile(shader).and_then(|made| code_that_fits(shader, &made.words)).map_err(Error::Usage)?;
-    compiled.insert(shader.name, Arc::clone(&made));
-    Ok(Some(made))
+    let code = sources.compile(shader).and_then(|stage| code_that_fits(shader, &stage.words)).map_err(Error::Usage)?;
+    compiled.insert(shader.name, Arc::clone(&code));
+    Ok(Some(code))
 }

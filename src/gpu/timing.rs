@@ -32,6 +32,7 @@ struct Queries {
 }
 
 impl Queries {
+    /// Makes the first pool. `counters` are what a query of pipeline statistics counts; empty for timestamps.
     fn new(
         gpu: &Gpu,
         name: &'static str,
@@ -80,13 +81,13 @@ impl Queries {
 
     /// The results of all queries that were taken, in order, after the submission that wrote them is done.
     fn results<T: bytemuck::Zeroable + Copy>(&self) -> Result<Vec<T>> {
-        let mut all = vec![T::zeroed(); self.taken as usize];
-        for (results, pool) in all.chunks_mut(QUERIES_PER_POOL as usize).zip(&self.pools) {
+        let mut results = vec![T::zeroed(); self.taken as usize];
+        for (pool_results, pool) in results.chunks_mut(QUERIES_PER_POOL as usize).zip(&self.pools) {
             // SAFETY: all these queries were written by the finished submission.
-            unsafe { self.gpu.raw().get_query_pool_results(*pool, 0, results, vk::QueryResultFlags::TYPE_64) }
+            unsafe { self.gpu.raw().get_query_pool_results(*pool, 0, pool_results, vk::QueryResultFlags::TYPE_64) }
                 .map_err(vulkan(format!("vkGetQueryPoolResults for {}", self.name)))?;
         }
-        Ok(all)
+        Ok(results)
     }
 }
 
@@ -179,6 +180,7 @@ impl Statistics {
         Ok(())
     }
 
+    /// Ends the query that [`Self::begin`] began.
     pub fn end(&mut self, commands: vk::CommandBuffer) {
         if let Some((pool, query)) = self.begun.take() {
             // SAFETY: the query was begun in the same command buffer.
@@ -186,6 +188,7 @@ impl Statistics {
         }
     }
 
+    /// Returns the work of each pass, in order, after the submission is done.
     pub fn results(&self) -> Result<Vec<PassWork>> {
         let counts: Vec<[u64; 4]> = self.queries.results()?;
         Ok(counts

@@ -127,6 +127,7 @@ impl ValidationLog {
         messages.iter().filter(|m| !m.allowed).cloned().collect()
     }
 
+    /// Adds a message, which is allowed if either list has its ID, whatever the layer's version and the driver.
     fn push(&self, id: String, text: String) {
         let allowed = ALLOWED.iter().chain(ALLOWED_OF_WINDOWS).any(|known| known.id == id);
         self.messages.lock().unwrap_or_else(|e| e.into_inner()).push(Message { id, text, allowed });

@@ -137,14 +137,15 @@ impl ColorChainPass {
         hi_z: HiZ,
         lens: &Lens,
     ) -> Result<ColorChain<'a>> {
-        let LevelPipelines::Masked(pipeline, image, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
+        let LevelPipelines::Masked(pipeline, blurred, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
         let chain = gbuffer.color;
         for level in 1..chain.levels() {
-            let [below, between, here] = [chain.level(level - 1), image.level(level), chain.level(level)];
-            let [w, h] = here.extent().map(|side| 1.0 / side as f32);
-            for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
+            let [below, between, here] = [chain.level(level - 1), blurred.level(level), chain.level(level)];
+            let texel_size @ [width, height] = here.extent().map(|side| 1.0 / side as f32);
+            let passes = [("h", [width, 0.0], below, between), ("v", [0.0, height], between, here)];
+            for (name, direction, from, to) in passes {
                 let blur = MaskedBlurBlock {
-                    invSize: [w, h],
+                    invSize: texel_size,
                     direction,
                     near: lens.near_m,
                     far: lens.far_m,
@@ -221,13 +222,13 @@ fn record_gaussian(
     pipeline: &PixelPipeline<GaussianBlur<'static>>,
     [below, between, here]: [ImageSlice; 3],
 ) -> Result<()> {
-    let [w, h] = here.extent().map(|side| 1.0 / side as f32);
-    for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
+    let texel_size @ [width, height] = here.extent().map(|side| 1.0 / side as f32);
+    for (name, direction, from, to) in [("h", [width, 0.0], below, between), ("v", [0.0, height], between, here)] {
         frame.pixels(
             &format!("color/{level}{name}"),
             pipeline,
             [Target::overwrite(to)],
-            &GaussianBlur { tex: Sampled::trilinear(from), blur: &BlurBlock { invSize: [w, h], direction } },
+            &GaussianBlur { tex: Sampled::trilinear(from), blur: &BlurBlock { invSize: texel_size, direction } },
         )?;
     }
     Ok(())

@@ -66,7 +66,8 @@ impl FollowPass {
         })
     }
 
-    /// Records pass "begin", which puts the mirror ray of every reflecting pixel on the list, from the pixel's point.
+    /// Records pass "begin", which puts the mirror ray of every reflecting pixel on the list, from the pixel's point. A
+    /// fallback leaves out the pixels in which the reflection `in_front` is opaque; other methods read no such image.
     pub fn record_begin(
         &self,
         frame: &mut Frame,

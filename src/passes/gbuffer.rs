@@ -110,6 +110,7 @@ impl GBufferImages {
         Self::with_formats(gpu, extent, depth, [NORMAL, LIT_COLOR])
     }
 
+    /// Makes images without content, with a format for the depth, and one each for normals and colours.
     fn with_formats(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, [normal, color]: [vk::Format; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
@@ -140,23 +141,23 @@ impl GBufferImages {
 
     /// Uploads as [`GBufferImages::upload`] does, but keeps NaN in colours, to test that methods bear NaN.
     pub fn upload_unsound(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
-        let padded = |all: &[Vec3], w: f32| all.iter().flat_map(|v| v.extend(w).to_array().map(half_bits)).collect();
-        let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
+        let padded = |xyz: &[Vec3], w: f32| xyz.iter().flat_map(|v| v.extend(w).to_array().map(half_bits)).collect();
+        let (normal, mut color): (Vec<u16>, Vec<u16>) = (padded(&data.normal, 0.0), padded(&data.color, 1.0));
         let surfaces_and_depths = data.surface.iter().zip(&data.depth);
-        for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(surfaces_and_depths) {
+        for ([.., alpha], (surface, depth)) in color.as_chunks_mut::<4>().0.iter_mut().zip(surfaces_and_depths) {
             // The lighting pass stores the same alpha.
-            color[3] = half_bits(if *surface == Surface::Lit && *depth > 0.0 { 1.0 } else { 0.0 });
+            *alpha = half_bits(if *surface == Surface::Lit && *depth > 0.0 { 1.0 } else { 0.0 });
         }
         let images = Self::new(context.gpu(), [data.width, data.height])?;
-        images.fill(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
+        images.fill(context, data, [bytemuck::cast_slice(&normal), bytemuck::cast_slice(&color)])
     }
 
     /// Uploads as [`GBufferImages::upload`] does, but with colours and normals in 32-bit floats, which can hold the
     /// rounded values of other formats unchanged. The device must be able to filter such images linearly.
     pub fn upload_wide(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         const WIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-        let wide = |all: &[Vec3], w: f32| -> Vec<u8> {
-            all.iter().flat_map(|v| v.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
+        let wide = |xyz: &[Vec3], w: f32| -> Vec<u8> {
+            xyz.iter().flat_map(|v| v.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
         };
         let images = Self::with_formats(context.gpu(), [data.width, data.height], DEPTH, [WIDE; 2])?;
         images.fill(context, data, [&wide(&data.normal, 0.0), &wide(&data.color, 1.0)])
@@ -164,8 +165,9 @@ impl GBufferImages {
 
     /// Fills the images with depth and material of a G-buffer, and with `normal` and `color`, bytes in their formats.
     fn fill(self, context: &mut FrameContext, data: &GBufferData, [normal, color]: [&[u8]; 2]) -> Result<Self> {
+        let values = data.reflectivity.iter().zip(&data.roughness);
         let material: Vec<u16> =
-            data.reflectivity.iter().zip(&data.roughness).flat_map(|(a, b)| [half_bits(*a), half_bits(*b)]).collect();
+            values.flat_map(|(reflectivity, roughness)| [*reflectivity, *roughness]).map(half_bits).collect();
         let content: [(&Image, &[u8]); 4] = [
             (&self.depth, bytemuck::cast_slice(&data.depth)),
             (&self.normal, normal),

@@ -34,6 +34,7 @@ impl HiZPass {
         Self::with_levels(gpu, stage, extent, 1, MINIMUM)
     }
 
+    /// Makes the pass with `levels` levels of [`MINIMUM`] or [`BOTH`].
     fn with_levels(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], levels: u32, format: vk::Format) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let usage = stage.target_usage() | U::SAMPLED | U::TRANSFER_SRC;

@@ -104,6 +104,7 @@ struct LastFrames {
 
 /// An object that moved since the frame before.
 struct Mover {
+    /// The number of the object's first triangle, and that after its last one.
     triangles: [u32; 2],
     /// The matrix from where the object stands now to where it stood, in the world.
     back: DMat4,
@@ -150,6 +151,7 @@ enum CameraChange {
 }
 
 impl CameraChange {
+    /// Compares the cameras of two frames. Only the shift of the projection may differ for [`Self::Shifts`].
     fn between(before: &Camera, now: &Camera) -> Self {
         let unshifted = |camera: &Camera| Projection { shift: [0.0; 2], ..camera.projection_numbers() };
         let is_seen_alike = before.world_to_view == now.world_to_view && before.near_plane == now.near_plane;
@@ -175,9 +177,6 @@ impl HistoryPass {
     /// Makes the pass for a size in pixels and a projection. At most `averaged` frames are averaged. A history may lie
     /// `deviations` standard deviations from the mean of the reflections around its pixel. With `composite` the pass
     /// also makes the finished image.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn new(
         gpu: &Gpu,
         (extent, kind): ([u32; 2], ProjectionKind),
@@ -190,7 +189,7 @@ impl HistoryPass {
         let make_images = || -> Result<HistoryImages> {
             Ok(HistoryImages { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
-        let made = Self {
+        let pass = Self {
             gpu: gpu.clone(),
             variant,
             at_rest: compile(gpu, variant, None)?,
@@ -204,8 +203,8 @@ impl HistoryPass {
             averaged,
             deviations,
         };
-        made.pipeline_for(HistorySearch::default())?;
-        Ok(made)
+        pass.pipeline_for(HistorySearch::default())?;
+        Ok(pass)
     }
 
     /// Returns the most frames that are averaged.
@@ -240,9 +239,6 @@ impl HistoryPass {
     /// Records pass "history" of the frame that [`Self::begin`] began. Returns the averaged reflection, and the
     /// finished image if the pass makes it. `ends` is the image ([`ENDS`]) of where the rays of each pixel ended, and
     /// `motion` says how surfaces moved; `None` where unknown.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -254,7 +250,7 @@ impl HistoryPass {
         let last = self.last_frames.borrow();
         let turn = self.frames.get() as usize % 2;
         self.frames.set(self.frames.get().wrapping_add(1));
-        let [now, earlier] = [&self.history_images[turn], &self.history_images[1 - turn]];
+        let [current, earlier] = [&self.history_images[turn], &self.history_images[1 - turn]];
         if last.camera_before.is_none() {
             // The images of an earlier frame are bound in the first frame, too, but not read.
             frame.clear("history/begin", earlier.reflection.all(), [0.0; 4])?;
@@ -281,14 +277,14 @@ impl HistoryPass {
             motion_buffer: Sampled::nearest(motion.map_or(gbuffer.depth, |motion| motion.image).all()),
         };
         let targets = [
-            Target::overwrite(now.reflection.all()),
-            Target::overwrite(now.guide.all()),
+            Target::overwrite(current.reflection.all()),
+            Target::overwrite(current.guide.all()),
             composite.map_or(Target::unwanted(), |image| Target::overwrite(image.all())),
         ];
         let search = last.search(motion.is_some());
         let pipeline = search.map_or(Ok(&self.at_rest), |search| self.pipeline_for(search))?;
         frame.pixels("history", pipeline, targets, &program)?;
-        Ok((Reflection(&now.reflection), composite))
+        Ok((Reflection(&current.reflection), composite))
     }
 
     /// Returns the program for a frame in which something may have moved, compiled at the first call.
@@ -333,7 +329,7 @@ impl HistoryPass {
             deviations: self.deviations,
             begins: i32::from(last.camera_before.is_none()),
             most: if is_unchanged { MOST_AT_REST } else { self.averaged as f32 },
-            rests: i32::from(is_at_rest) + i32::from(has_all_directions),
+            rests: i32::from(is_at_rest) + i32::from(has_all_directions), // 2 once all directions are averaged
             repeats: i32::from(last.is_repetition),
             view_to_clip: array(clip),
             ..HistoryBlock::default()

@@ -88,25 +88,25 @@ impl ImportPass {
     }
 
     /// Records pass "import". A constant reflectivity or roughness rules out kinds of reflectors in the result.
-    pub fn record(&self, frame: &mut Frame, from: &ForeignImages, camera: &Camera) -> Result<GBuffer<'_>> {
+    pub fn record(&self, frame: &mut Frame, foreign: &ForeignImages, camera: &Camera) -> Result<GBuffer<'_>> {
         let (kind, to_view) =
-            from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
-        let (block, projection, camera) = (block(from, to_view), camera.kind(), camera_block(camera, self.extent()));
-        let [reflectivity, roughness] = from.material;
+            foreign.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
+        let (block, projection, camera) = (block(foreign, to_view), camera.kind(), camera_block(camera, self.extent()));
+        let [reflectivity, roughness] = foreign.material;
         let source = |factor| match factor {
             // The binding needs some image, which is not read.
-            Factor::Constant(_) => Sampled::nearest(from.color.all()),
+            Factor::Constant(_) => Sampled::nearest(foreign.color.all()),
             Factor::Channel(image, _) => Sampled::nearest(image.all()),
         };
         let [width, height] = self.extent();
         let program = Import {
             camera: &camera,
             import_block: &block,
-            depth_source: Sampled::nearest(from.depth.all()),
-            normal_source: Sampled::nearest(from.normal.map_or(from.color, |(image, ..)| image).all()),
+            depth_source: Sampled::nearest(foreign.depth.all()),
+            normal_source: Sampled::nearest(foreign.normal.map_or(foreign.color, |(image, ..)| image).all()),
             reflectivity_source: source(reflectivity),
             roughness_source: source(roughness),
-            color_source: Sampled::nearest(from.color.all()),
+            color_source: Sampled::nearest(foreign.color.all()),
             depth_image: self.depth.all(),
             normal_image: self.normal.all(),
             material_image: self.material.all(),
@@ -114,7 +114,7 @@ impl ImportPass {
         };
         frame.compute(self.label, self.pipeline(kind, projection)?, &program, [width, height, 1])?;
         let possible = Reflectors::for_constants(reflectivity.constant(), roughness.constant());
-        let reflectors = from.reflectors.and(possible);
+        let reflectors = foreign.reflectors.and(possible);
         Ok(GBuffer {
             triangle: None,
             depth: &self.depth,
@@ -133,14 +133,14 @@ impl ImportPass {
 }
 
 /// Returns the uniform block for the images of another renderer; `to_view` turns decoded normals into our view space.
-fn block(from: &ForeignImages, to_view: Mat3) -> ImportBlock {
+fn block(foreign: &ForeignImages, to_view: Mat3) -> ImportBlock {
     let channel = |factor| if let Factor::Channel(_, channel) = factor { channel as i32 } else { -1 };
     ImportBlock {
         normal_to_view: Mat4::from_mat3(to_view).to_cols_array_2d(),
-        depth_to_reversed: from.to_reversed,
-        constants: from.material.map(|factor| factor.constant().unwrap_or(0.0)),
-        channels: from.material.map(channel),
-        leaves_sky_out: i32::from(from.leaves_sky_out),
+        depth_to_reversed: foreign.to_reversed,
+        constants: foreign.material.map(|factor| factor.constant().unwrap_or(0.0)),
+        channels: foreign.material.map(channel),
+        leaves_sky_out: i32::from(foreign.leaves_sky_out),
         ..ImportBlock::default()
     }
 }

@@ -32,10 +32,11 @@ impl LightingPass {
         Self::make(gpu, ShaderStage::Fragment, true)
     }
 
+    /// Makes the pass; if `sky_apart` is true, pixels that show the sky become black.
     fn make(gpu: &Gpu, stage: ShaderStage, sky_apart: bool) -> Result<Self> {
-        let made = Self { gpu: gpu.clone(), stage, sky_apart, pipelines: PerProjection::new(), label: "lighting" };
-        made.pipeline(ProjectionKind::Perspective)?;
-        Ok(made)
+        let pass = Self { gpu: gpu.clone(), stage, sky_apart, pipelines: PerProjection::new(), label: "lighting" };
+        pass.pipeline(ProjectionKind::Perspective)?;
+        Ok(pass)
     }
 
     fn pipeline(&self, kind: ProjectionKind) -> Result<&PixelPipeline<programs::Lighting<'static>>> {

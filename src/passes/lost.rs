@@ -159,9 +159,8 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
 /// distance in view units ([`view_unit_m()`]) as the bits of a float, 0 for a miss, and G the number of the triangle.
 pub const ENDS: vk::Format = vk::Format::R32G32_UINT;
 
-/// Returns the metres in one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`), the view unit: 1 for an
-/// orthographic projection, else near (1 + k) with k = near / (far - near), since reversed depth + k is near (1 + k) /
-/// z.
+/// Returns the metres in one unit of `ViewPoint` (`shaders-glsl/unified/view.glsl`), the view unit: 1 if orthographic,
+/// else near (1 + k) with k = near / (far - near), since reversed depth + k is near (1 + k) / z.
 pub fn view_unit_m(camera: &Camera) -> f32 {
     match camera.kind() {
         ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,

@@ -31,12 +31,12 @@ struct Gaussian {
 }
 
 impl MaskChainPass {
-    /// Makes the pass for ray trace colours of a size in pixels. `formats` are those of the colour and of the mask.
+    /// Makes the pass for ray trace colours of a size in pixels, with the formats of the colour and of the mask.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
         extent: [u32; 2],
-        formats: [vk::Format; 2],
+        [color_format, mask_format]: [vk::Format; 2],
         filter: MaskFilter,
     ) -> Result<Self> {
         use vk::ImageUsageFlags as U;
@@ -48,14 +48,14 @@ impl MaskChainPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | U::SAMPLED })
         };
         // Compute programs store the colour before it is encoded, and another pass encodes it.
-        let (color, encoded) = match stage {
-            ShaderStage::Fragment => (formats[0], U::COLOR_ATTACHMENT),
+        let (written_format, color_usage) = match stage {
+            ShaderStage::Fragment => (color_format, U::COLOR_ATTACHMENT),
             ShaderStage::Compute => (UNENCODED_COLOR, U::TRANSFER_DST),
         };
         let gaussian = Gaussian {
-            pipeline: PixelPipeline::new(gpu, stage, [color, formats[1]], &())?,
-            color: image("horizontal blur of the color", formats[0], encoded)?,
-            mask: image("horizontal blur of the mask", formats[1], stage.target_usage())?,
+            pipeline: PixelPipeline::new(gpu, stage, [written_format, mask_format], &())?,
+            color: image("horizontal blur of the color", color_format, color_usage)?,
+            mask: image("horizontal blur of the mask", mask_format, stage.target_usage())?,
         };
         Ok(Self { gaussian: Some(gaussian) })
     }
@@ -73,21 +73,22 @@ impl MaskChainPass {
                 continue;
             };
             let between = [gaussian.color.level(level), gaussian.mask.level(level)];
-            let [w, h] = here[0].extent().map(|side| 1.0 / side as f32);
-            for (direction, step, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
-                let name = format!("blur/{level}{direction}");
-                let color_target = traced.unencoded.map_or(to[0], |unencoded| unencoded.level(level));
+            let texel_size @ [width, height] = here[0].extent().map(|side| 1.0 / side as f32);
+            let passes = [("h", [width, 0.0], below, between), ("v", [0.0, height], between, here)];
+            for (letter, direction, [from_color, from_mask], [to_color, to_mask]) in passes {
+                let name = format!("blur/{level}{letter}");
+                let color_target = traced.unencoded.map_or(to_color, |unencoded| unencoded.level(level));
                 frame.pixels(
                     &name,
                     &gaussian.pipeline,
-                    [color_target, to[1]].map(Target::overwrite),
+                    [color_target, to_mask].map(Target::overwrite),
                     &programs::SslrBlur {
-                        tex: Sampled::trilinear(from[0]),
-                        mask: Sampled::trilinear(from[1]),
-                        blur: &BlurBlock { invSize: [w, h], direction: step },
+                        tex: Sampled::trilinear(from_color),
+                        mask: Sampled::trilinear(from_mask),
+                        blur: &BlurBlock { invSize: texel_size, direction },
                     },
                 )?;
-                traced.encode(frame, &name, to[0])?;
+                traced.encode(frame, &name, to_color)?;
             }
         }
         Ok(traced)

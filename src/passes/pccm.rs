@@ -35,6 +35,7 @@ impl PccmPass {
         maps: [(&Probe, CubeMap); 2],
     ) -> Result<Reflection<'_>> {
         let camera = camera_block(camera, gbuffer.depth.extent());
+        let [first_map, second_map] = maps.map(|(_, map)| Sampled::trilinear(map.0.all()));
         let block = PccmBlock { maps: maps.map(|(probe, _)| local_cube_map(probe)) };
         let program = programs::Pccm {
             camera: &camera,
@@ -42,8 +43,8 @@ impl PccmPass {
             normal_buffer: Sampled::nearest(gbuffer.normal.all()),
             material_buffer: Sampled::nearest(gbuffer.material.all()),
             pccm: &block,
-            first_map: Sampled::trilinear(maps[0].1.0.all()),
-            second_map: Sampled::trilinear(maps[1].1.0.all()),
+            first_map,
+            second_map,
         };
         frame.pixels(self.label, &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))

@@ -372,17 +372,17 @@ fn upload_texture(context: &mut FrameContext, texture: &Texture) -> Result<Image
         Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
     };
     let (levels, usage) = (image::full_chain(extent), U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC);
-    let made = Image::new(context.gpu(), &ImageDesc { name, format, extent, levels, layers: 1, usage })?;
+    let map = Image::new(context.gpu(), &ImageDesc { name, format, extent, levels, layers: 1, usage })?;
     let staging = Buffer::upload(context.gpu(), "staging", &texture.rgba, vk::BufferUsageFlags::TRANSFER_SRC)?;
     context.once(|frame| {
-        frame.upload("upload", &staging, made.level(0))?;
-        for level in 1..made.levels() {
-            frame.blit("material mip", made.level(level - 1), made.level(level))?;
+        frame.upload("upload", &staging, map.level(0))?;
+        for level in 1..map.levels() {
+            frame.blit("material mip", map.level(level - 1), map.level(level))?;
         }
-        frame.make_ready(made.all(), Access::FragmentSampled);
+        frame.make_ready(map.all(), Access::FragmentSampled);
         Ok(())
     })?;
-    Ok(made)
+    Ok(map)
 }
 
 /// Makes the generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
@@ -414,15 +414,15 @@ fn sky_image(context: &mut FrameContext, side: u32, halves: &[u16]) -> Result<Im
     use vk::ImageUsageFlags as U;
     let usage = U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC;
     let desc = ImageDesc::one_level("sky", vk::Format::R16G16B16A16_SFLOAT, [side, side], usage);
-    let made = Image::new(context.gpu(), &ImageDesc { layers: 6, ..desc })?;
+    let cube = Image::new(context.gpu(), &ImageDesc { layers: 6, ..desc })?;
     let staging =
         Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(halves), vk::BufferUsageFlags::TRANSFER_SRC)?;
     context.once(|frame| {
-        frame.upload("upload", &staging, made.level(0))?;
-        frame.make_ready(made.all(), Access::FragmentSampled);
+        frame.upload("upload", &staging, cube.level(0))?;
+        frame.make_ready(cube.all(), Access::FragmentSampled);
         Ok(())
     })?;
-    Ok(made)
+    Ok(cube)
 }
 
 #[cfg(test)]
@@ -438,9 +438,9 @@ mod tests {
             ..Mesh::default()
         };
         assert_eq!(index_count(&mesh, 5).unwrap(), 3);
-        let said = index_count(&mesh, 4).unwrap_err().to_string();
+        let message = index_count(&mesh, 4).unwrap_err().to_string();
         assert_eq!(
-            said,
+            message,
             "mesh dust has 5 vertices and 3 indices; the device draws at most 4 and 4294967295 of one mesh"
         );
     }

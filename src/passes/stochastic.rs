@@ -76,9 +76,6 @@ impl<F> StochasticTrace<F> {
 
 impl StochasticTrace<StochasticExact<'static>> {
     /// Makes the pass for a size and pyramids with strips of 2^`strip` columns. `hits` asks for mirrors' hits.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,
@@ -98,9 +95,6 @@ impl StochasticTrace<StochasticExact<'static>> {
     }
 
     /// Records pass "trace", which traces a ray for each pixel and returns the rays.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -129,9 +123,6 @@ impl StochasticTrace<StochasticExact<'static>> {
 impl StochasticTrace<StochasticThesis<'static>> {
     /// Makes the pass for a size in pixels. `hits` asks for an image of mirrors' hits. Rays towards the camera are
     /// marched by the numbers `march`, as `ssct` does: the constant `fallback` is true.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn new(gpu: &Gpu, stage: ShaderStage, extent: [u32; 2], march: MarchNumbers, hits: bool) -> Result<Self> {
         let constants =
             march_constants!(StochasticThesisConstants { fallback: true, hits, orthographic: false }, march);
@@ -139,9 +130,6 @@ impl StochasticTrace<StochasticThesis<'static>> {
     }
 
     /// Records pass "trace", which traces a ray for each pixel and returns the rays.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -179,9 +167,6 @@ pub struct StochasticResolvePass {
 
 impl StochasticResolvePass {
     /// Makes the pass for images of a size in pixels. `over_fallback` says that another reflection shows where this one misses.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn new(gpu: &Gpu, extent: [u32; 2], over_fallback: bool) -> Result<Self> {
         let constants = StochasticResolveConstants { over: over_fallback, orthographic: false };
         let stored = |name, format| stored_target(gpu, name, format, extent);
@@ -195,9 +180,6 @@ impl StochasticResolvePass {
     }
 
     /// Records pass "resolve", which adds the rays of one turn to the sums of the turns before it in the frame.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,

@@ -38,8 +38,7 @@ pub struct TraceInput<'a> {
 
 impl ThesisTracePass {
     /// Makes the pass. Rays towards the camera march by the numbers of `march`; with `None` they are not traced.
-    /// `split` makes ray trace and cone trace two passes. `hits` asks for an image of the hits, which two passes always
-    /// have.
+    /// `split` makes ray trace and cone trace two passes, which always have an image of the hits; `hits` asks for one.
     pub fn new(
         gpu: &Gpu,
         stage: ShaderStage,

@@ -110,8 +110,8 @@ impl Places {
         assert!(self.root + nodes.len() <= self.end.max(self.root), "more nodes than triangles");
         let attributes = moving.attributes_after(slots).into_iter();
         let attributes = attributes.map(|(first, vectors)| (self.attributes + 4 * first as usize, vectors));
-        let parts = [(self.moving_corners, corners), (self.root, nodes)].into_iter().chain(attributes);
-        parts.filter(|(_, part)| !part.is_empty()).collect()
+        let runs = [(self.moving_corners, corners), (self.root, nodes)].into_iter().chain(attributes);
+        runs.filter(|(_, vectors)| !vectors.is_empty()).collect()
     }
 }
 
@@ -228,15 +228,15 @@ impl TriangleGeometry {
         vectors.resize(places.attributes, [0; 4]);
         vectors.extend_from_slice(&records.attributes);
         vectors.resize(places.end, [0; 4]);
-        for (first_vector, part) in places.moving_runs(moving) {
-            vectors[first_vector..first_vector + part.len()].copy_from_slice(&part);
+        for (first, run) in places.moving_runs(moving) {
+            vectors[first..first + run.len()].copy_from_slice(&run);
         }
-        let made = Self::from_buffer(tree, records, upload_vectors(context, "triangles", &vectors)?);
+        let standing = Self::from_buffer(tree, records, upload_vectors(context, "triangles", &vectors)?);
         let [first_corner, first_attribute] = [places.corners, places.attributes].map(|index| index as i32);
-        let counts = GeometryCounts { first_corner, first_attribute, ..made.counts };
-        let may_reject_hits = made.may_reject_hits || moving.records.may_reject_hits();
-        made.set_moving(&places, moving);
-        Ok(Self { counts, may_reject_hits, places: Some(places), ..made })
+        let counts = GeometryCounts { first_corner, first_attribute, ..standing.counts };
+        let may_reject_hits = standing.may_reject_hits || moving.records.may_reject_hits();
+        standing.set_moving(&places, moving);
+        Ok(Self { counts, may_reject_hits, places: Some(places), ..standing })
     }
 
     /// Sets the root of the tree of moving meshes and their greatest coordinate in `self.moving`.
@@ -253,8 +253,8 @@ impl TriangleGeometry {
     pub fn update(&self, gpu: &Gpu, moving: &MovingTriangles) -> Result<()> {
         let Some(places) = &self.places else { return Ok(()) };
         assert!(moving.tree.is_walkable(), "a tree of {} levels: a walk has no room for them", moving.tree.levels);
-        let mut kept = self.moving.update.borrow_mut();
-        let update = match &mut *kept {
+        let mut slot = self.moving.update.borrow_mut();
+        let update = match &mut *slot {
             Some(update) => update,
             empty => {
                 let (_, vector_bytes) = VECTORS;
@@ -284,12 +284,9 @@ impl TriangleGeometry {
     }
 
     /// Records pass "moving", which copies the triangles of the last [`Self::update`], if they were not copied yet.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn copy_moving(&self, frame: &mut Frame) -> Result<()> {
-        let mut kept = self.moving.update.borrow_mut();
-        let Some(Update { staging, runs }) = kept.as_mut().filter(|update| !update.runs.is_empty()) else {
+        let mut slot = self.moving.update.borrow_mut();
+        let Some(Update { staging, runs }) = slot.as_mut().filter(|update| !update.runs.is_empty()) else {
             return Ok(());
         };
         frame.copy_parts("moving", (staging, self.buffer.buffer()), runs, Access::ComputeStorageRead)?;

@@ -1,6 +1,5 @@
 //! Passes that follow the rays of the list ([`lost`](super::lost)) among the triangles of a scene, each from the point
-//! of its pixel (docs/definitions.md, "Triangles"). The number of rays on the list sizes the dispatches of these
-//! passes.
+//! of its pixel (docs/definitions.md, "Triangles"). The number of rays on the list sizes the dispatches.
 
 use super::lost::LostRayBindings;
 use super::triangle_scene::{TriangleBindings, TriangleReading};

@@ -63,7 +63,8 @@ pub struct UnifiedGlossInput<'a> {
 }
 
 impl UnifiedGlossPass {
-    /// Makes pipelines and images. The errors are those of [`TiledPipeline::new`].
+    /// Makes pipelines and images. The passes "trace/wide" and "cells" write images of half the size, with a texel for
+    /// each cell. The errors are those of [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {

@@ -118,8 +118,9 @@ mod tests {
     #[test]
     fn a_level_is_the_mean_of_light_over_the_one_before() {
         let level_bytes = |encoding| {
-            let made = mip_levels(&texture([4, 2], encoding, &[0, 255, 10, 10, 255, 0, 10, 10]));
-            made.iter()
+            let levels = mip_levels(&texture([4, 2], encoding, &[0, 255, 10, 10, 255, 0, 10, 10]));
+            levels
+                .iter()
                 .map(|level| level.iter().map(|word| word.to_le_bytes()[0]).collect::<Vec<_>>())
                 .collect::<Vec<_>>()
         };

@@ -20,8 +20,8 @@ pub struct Circle {
     pub radius: f64,
 }
 
-/// The first `count` circles of a cone that ends at distance `h` (Alg. 5), from the hit towards the apex.
-/// With `lengthened` the height first grows by the triangle's base, as in the author's program.
+/// The first `count` circles of a cone of half angle `theta`, in radians, that ends at distance `h` (Alg. 5), from the
+/// hit towards the apex. With `lengthened` the height first grows by the triangle's base, as in the author's program.
 pub fn circles(h: f64, theta: f64, count: usize, lengthened: bool) -> Vec<Circle> {
     let mut h = if lengthened { h + isosceles_triangle_base(h, theta) } else { h };
     (0..count)

@@ -56,10 +56,10 @@ mod tests {
 
     #[test]
     fn the_area_of_a_triangle_is_that_of_its_part_on_screen() {
-        let c = Camera::new(Vec3::ZERO, Vec3::Z, Lens::perspective(1.0, 0.1, 1000.0), 1.0);
-        let matrix = c.view_to_clip() * c.world_to_view;
-        let h = 5.0 * 0.5_f32.tan();
-        let point = |x: f32, y: f32| Vec3::new(x * h, y * h, 5.0);
+        let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::perspective(1.0, 0.1, 1000.0), 1.0);
+        let matrix = camera.view_to_clip() * camera.world_to_view;
+        let half_height = 5.0 * 0.5_f32.tan(); // at a distance of 5 m
+        let point = |x: f32, y: f32| Vec3::new(x * half_height, y * half_height, 5.0);
         let area = |a, b, c| projected_area(&matrix, &[a, b, c]);
         assert!((area(point(-1.0, -1.0), point(1.0, -1.0), point(1.0, 1.0)) - 0.5).abs() < 1e-4, "half the screen");
         assert!(
@@ -75,15 +75,15 @@ mod tests {
 
     #[test]
     fn boxes_in_front_are_seen_and_others_are_not() {
-        let c = Camera::new(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.5);
-        let f = Frustum::new(&(c.view_to_clip_reversed() * c.world_to_view));
-        let cube = |x: f32, y: f32, z: f32| f.may_see(Vec3::new(x, y, z) - 0.5, Vec3::new(x, y, z) + 0.5);
+        let camera = Camera::new(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.5);
+        let frustum = Frustum::new(&(camera.view_to_clip_reversed() * camera.world_to_view));
+        let cube = |x: f32, y: f32, z: f32| frustum.may_see(Vec3::new(x, y, z) - 0.5, Vec3::new(x, y, z) + 0.5);
         assert!(cube(0.0, 1.0, 5.0));
         assert!(!cube(0.0, 1.0, -5.0), "behind");
         assert!(!cube(20.0, 1.0, 5.0), "right");
         assert!(!cube(0.0, -20.0, 5.0), "below");
         assert!(!cube(0.0, 1.0, 1002.0), "beyond far");
-        assert!(f.may_see(Vec3::splat(-1e4), Vec3::splat(1e4)), "around the camera");
-        assert!(!f.may_see(Vec3::INFINITY, Vec3::NEG_INFINITY), "empty");
+        assert!(frustum.may_see(Vec3::splat(-1e4), Vec3::splat(1e4)), "around the camera");
+        assert!(!frustum.may_see(Vec3::INFINITY, Vec3::NEG_INFINITY), "empty");
     }
 }

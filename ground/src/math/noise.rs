@@ -31,14 +31,14 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 
 /// Value noise in 0…1 with a continuous slope, which repeats after `period` lattice units.
 pub fn value(point: Vec2, period: IVec2, seed: u32) -> f32 {
-    let ((x, fx), (y, fy)) = (split(point.x), split(point.y));
+    let ((x, right_weight), (y, upper_weight)) = (split(point.x), split(point.y));
     let ((left, right), (lower, upper)) = (neighbours(x, period.x), neighbours(y, period.y));
     let on_row = |y: i32| {
         let (left, right) = (unit(IVec2::new(left, y), seed), unit(IVec2::new(right, y), seed));
-        left + (right - left) * fx
+        left + (right - left) * right_weight
     };
     let (lower, upper) = (on_row(lower), on_row(upper));
-    lower + (upper - lower) * fy
+    lower + (upper - lower) * upper_weight
 }
 
 /// Returns the lattice point below a coordinate, and the weight of the next point (Perlin 2002). The code avoids
@@ -135,7 +135,7 @@ pub fn cell(position: Vec2, size: Vec2, period: IVec2, jitter: f32, seed: u32) -
     cell_among(position, size, period, |id| offset(id, jitter, seed))
 }
 
-/// Returns how far the site of a lattice cell lies from the cell's middle, in lattice units.
+/// Returns how far the site of a lattice cell lies from its middle: at most `jitter` / 2 lattice units along each axis.
 fn offset(id: IVec2, jitter: f32, seed: u32) -> Vec2 {
     (Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5) * jitter
 }
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn sites_that_are_drawn_once_are_those_of_each_point() {
+    fn cells_with_sites_computed_once_are_those_of_the_function() {
         let period = IVec2::new(6, 4);
         let cells = VoronoiCells::new(Vec2::new(0.5, 0.25), period, 0.75, 11);
         for position in

@@ -35,9 +35,9 @@ mod tests {
         assert!(project(DVec3::new(0.0, 1.0, 5.0), &m).y < 0.5, "+y is up");
         assert!(project(DVec3::new(0.0, 0.0, 0.1), &m).z.abs() < 1e-6, "near is 0");
         assert!((project(DVec3::new(0.0, 0.0, 1000.0), &m).z - 1.0).abs() < 1e-6, "far is 1");
-        let r = camera(0.1, 1000.0).view_to_clip_reversed().as_dmat4();
-        assert!((project(DVec3::new(0.0, 0.0, 0.1), &r).z - 1.0).abs() < 1e-6, "reversed near is 1");
-        assert!(project(DVec3::new(0.0, 0.0, 1000.0), &r).z.abs() < 1e-6, "reversed far is 0");
+        let reversed = camera(0.1, 1000.0).view_to_clip_reversed().as_dmat4();
+        assert!((project(DVec3::new(0.0, 0.0, 0.1), &reversed).z - 1.0).abs() < 1e-6, "reversed near is 1");
+        assert!(project(DVec3::new(0.0, 0.0, 1000.0), &reversed).z.abs() < 1e-6, "reversed far is 0");
     }
 
     proptest! {

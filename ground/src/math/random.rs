@@ -17,7 +17,7 @@ const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 pub struct Stream(u64);
 
 impl Stream {
-    /// The stream of a seed and an index.
+    /// The stream of a seed and an index. Both are mixed, so that streams of neighbouring indices are unrelated.
     pub fn new(seed: u64, index: u64) -> Self {
         Self(mix(mix(seed.wrapping_add(GOLDEN_GAMMA)).wrapping_add(index.wrapping_mul(GOLDEN_GAMMA))))
     }

@@ -45,9 +45,9 @@ impl Domain {
             (Self::Number { least, with_least, most }, Value::Number(n)) => {
                 n <= *most && (n > *least || *with_least && n == *least)
             }
-            (Self::Numbers(all), Value::Number(n)) => all.contains(&n),
-            (Self::Choices(all) | Self::ChoicesOrCount(all, ..), Value::Choice(name)) => {
-                all.iter().any(|c| c.name == name)
+            (Self::Numbers(numbers), Value::Number(n)) => numbers.contains(&n),
+            (Self::Choices(choices) | Self::ChoicesOrCount(choices, ..), Value::Choice(name)) => {
+                choices.iter().any(|c| c.name == name)
             }
             (Self::ChoicesOrCount(_, least, most), Value::Count(n)) => (*least..=*most).contains(&n),
             _ => false,
@@ -64,8 +64,10 @@ impl Domain {
             },
             Self::Count(..) => text.parse().ok().map(Value::Count),
             Self::Number { .. } | Self::Numbers(_) => text.parse().ok().map(Value::Number),
-            Self::Choices(all) => named(all, text),
-            Self::ChoicesOrCount(all, ..) => named(all, text).or_else(|| text.parse().ok().map(Value::Count)),
+            Self::Choices(choices) => choice_named(choices, text),
+            Self::ChoicesOrCount(choices, ..) => {
+                choice_named(choices, text).or_else(|| text.parse().ok().map(Value::Count))
+            }
         };
         value.filter(|v| self.has(*v))
     }
@@ -74,19 +76,19 @@ impl Domain {
     pub fn is_switch(&self) -> bool {
         match self {
             Self::Switch => true,
-            Self::Choices(all) => all.len() == 2 && all.iter().all(|c| ["on", "off"].contains(&c.name)),
+            Self::Choices(choices) => choices.len() == 2 && choices.iter().all(|c| ["on", "off"].contains(&c.name)),
             _ => false,
         }
     }
 
-    /// Returns every value of the domain, or `None` for a range of numbers.
+    /// Returns every value of the domain, or `None` for a range of numbers without choices.
     pub fn all_if_few(&self) -> Option<Vec<Value>> {
         match self {
             Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
-            Self::Numbers(all) => Some(all.iter().map(|n| Value::Number(*n)).collect()),
-            Self::Choices(all) => Some(all.iter().map(|c| Value::Choice(c.name)).collect()),
-            Self::ChoicesOrCount(all, least, most) => {
-                let names = all.iter().map(|c| Value::Choice(c.name));
+            Self::Numbers(numbers) => Some(numbers.iter().map(|n| Value::Number(*n)).collect()),
+            Self::Choices(choices) => Some(choices.iter().map(|c| Value::Choice(c.name)).collect()),
+            Self::ChoicesOrCount(choices, least, most) => {
+                let names = choices.iter().map(|c| Value::Choice(c.name));
                 Some(names.chain((*least..=*most).map(Value::Count)).collect())
             }
             Self::Count(..) | Self::Number { .. } => None,
@@ -97,8 +99,8 @@ impl Domain {
 /// Describes the values to a reader: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
 impl fmt::Display for Domain {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        if let Self::ChoicesOrCount(all, least, most) = self {
-            let names: Vec<_> = all.iter().map(|c| c.name).collect();
+        if let Self::ChoicesOrCount(choices, least, most) = self {
+            let names: Vec<_> = choices.iter().map(|c| c.name).collect();
             return write!(f, "{}, or whole numbers from {least} to {most}", names.join(", "));
         }
         if let Some(few) = self.all_if_few() {
@@ -115,6 +117,6 @@ impl fmt::Display for Domain {
 }
 
 /// The choice with a name, as a value; `None` if no choice has the name.
-fn named(all: &[Choice], text: &str) -> Option<Value> {
-    all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name))
+fn choice_named(choices: &[Choice], name: &str) -> Option<Value> {
+    choices.iter().find(|c| c.name == name).map(|c| Value::Choice(c.name))
 }

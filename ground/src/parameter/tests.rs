@@ -43,9 +43,9 @@ fn a_declaration_gives_a_table_and_values_by_name() {
     for (parameter, text) in table.iter().zip(["64", "red", "1", "on"]) {
         values.set(parameter, parameter.parse(text).expect("a value"));
     }
-    let all = Outer { inner: Inner { how_many: 64 }, colour: Colour::Red, share: 1.0, whether: true };
-    assert_eq!(Outer::from_values(&values), all);
-    assert_eq!(all.list(), table.iter().map(|p| values.value(p)).collect::<Vec<_>>());
+    let outer = Outer { inner: Inner { how_many: 64 }, colour: Colour::Red, share: 1.0, whether: true };
+    assert_eq!(Outer::from_values(&values), outer);
+    assert_eq!(outer.list(), table.iter().map(|p| values.value(p)).collect::<Vec<_>>());
 }
 
 #[test]

@@ -107,11 +107,11 @@ mod tests {
     #[test]
     fn project_and_unproject_are_inverse() {
         let empty = with_colors([30, 20], Vec::new());
-        let m = empty.view_to_clip();
-        let p = DVec3::new(-0.7, 0.4, 3.0);
-        let s = empty.project(p, &m).expect("in front");
-        assert!(s.x < 15.0 && s.y < 10.0, "−x must be on the left and +y at the top: {s}");
-        assert!((empty.unproject(s.x, s.y, s.z, &m.inverse()) - p).length() < 1e-9);
-        assert_eq!(empty.project(DVec3::new(0.0, 0.0, -1.0), &m), None);
+        let view_to_clip = empty.view_to_clip();
+        let point = DVec3::new(-0.7, 0.4, 3.0);
+        let seen = empty.project(point, &view_to_clip).expect("in front");
+        assert!(seen.x < 15.0 && seen.y < 10.0, "−x must be on the left and +y at the top: {seen}");
+        assert!((empty.unproject(seen.x, seen.y, seen.z, &view_to_clip.inverse()) - point).length() < 1e-9);
+        assert_eq!(empty.project(DVec3::new(0.0, 0.0, -1.0), &view_to_clip), None);
     }
 }

@@ -127,8 +127,8 @@ impl<const N: usize> Keys<N> {
         }
         match (&from[..], &to[..]) {
             // Four numbers are a quaternion.
-            (&[a, b, c, d], &[e, f, g, h]) => {
-                let turn = unit(DQuat::from_xyzw(a, b, c, d)).slerp(unit(DQuat::from_xyzw(e, f, g, h)), s);
+            (&[x0, y0, z0, w0], &[x1, y1, z1, w1]) => {
+                let turn = unit(DQuat::from_xyzw(x0, y0, z0, w0)).slerp(unit(DQuat::from_xyzw(x1, y1, z1, w1)), s);
                 let numbers = turn.to_array();
                 std::array::from_fn(|i| numbers[i])
             }
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn key_frames_hold_step_by_step_along_lines_and_along_cubics() {
+    fn values_between_key_frames_follow_the_interpolation() {
         let values = [[0.0, 1.0, 2.0], [4.0, 1.0, 0.0]];
         let linear = keys(&[1.0, 3.0], &values, Interpolation::Linear);
         let step = keys(&[1.0, 3.0], &values, Interpolation::Step);
@@ -285,15 +285,15 @@ mod tests {
     }
 
     #[test]
-    fn key_frames_that_are_none_are_refused() {
-        let one = |times: &[f32], count: usize, interpolation| {
+    fn faulty_key_frames_are_refused_with_the_reason() {
+        let fault = |times: &[f32], count: usize, interpolation| {
             Keys::new(times.to_vec(), vec![[1.0; 3]; count], interpolation).err()
         };
-        assert_eq!(one(&[0.0, 1.0], 2, Interpolation::Linear), None);
-        assert!(one(&[0.0, 1.0], 2, Interpolation::Cubic).is_some_and(|why| why.contains("as many values")));
-        assert!(one(&[], 0, Interpolation::Step).is_some());
-        assert!(one(&[1.0, 1.0], 2, Interpolation::Step).is_some_and(|why| why.contains("do not increase")));
-        assert!(one(&[f32::NAN], 1, Interpolation::Step).is_some_and(|why| why.contains("finite")));
+        assert_eq!(fault(&[0.0, 1.0], 2, Interpolation::Linear), None);
+        assert!(fault(&[0.0, 1.0], 2, Interpolation::Cubic).is_some_and(|why| why.contains("as many values")));
+        assert!(fault(&[], 0, Interpolation::Step).is_some());
+        assert!(fault(&[1.0, 1.0], 2, Interpolation::Step).is_some_and(|why| why.contains("do not increase")));
+        assert!(fault(&[f32::NAN], 1, Interpolation::Step).is_some_and(|why| why.contains("finite")));
     }
 
     #[test]

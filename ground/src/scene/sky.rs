@@ -40,7 +40,7 @@ fn air(d: Vec3) -> Vec3 {
     let blue = horizon.lerp(zenith, 1.0 - (1.0 - height).powi(4));
     let towards_sun = d.dot(SUN).max(0.0);
     let glow = Vec3::new(1.0, 0.92, 0.75) * (0.25 * towards_sun.powi(24));
-    let plane = d.xz() / (height + 0.12) * 1.6 + 512.0;
+    let plane = d.xz() / (height + 0.12) * 1.6 + 512.0; // a flat layer; 512 keeps coordinates within the noise's period
     let cover = fractal(plane, IVec2::splat(1024), 6, 223);
     let cloud = smoothstep(0.50, 0.72, cover) * smoothstep(0.0, 0.18, height);
     let cloud_color = Vec3::new(0.93, 0.93, 0.94).lerp(Vec3::new(0.62, 0.66, 0.72), smoothstep(0.62, 0.85, cover));
@@ -51,7 +51,7 @@ fn air(d: Vec3) -> Vec3 {
 /// The land's colour in the unit direction d: meadows below, and hills in haze up to the height `ridge`.
 fn ground(d: Vec3, ridge: f32) -> Vec3 {
     let below = (-d.y).max(0.0);
-    let plane = d.xz() / (below + 0.06) + 512.0;
+    let plane = d.xz() / (below + 0.06) + 512.0; // flat land; 512 keeps coordinates within the noise's period
     let patches = fractal(plane, IVec2::splat(1024), 4, 227);
     let meadow = Vec3::new(0.10, 0.15, 0.05).lerp(Vec3::new(0.24, 0.22, 0.10), patches);
     let haze = Vec3::new(0.36, 0.44, 0.48);

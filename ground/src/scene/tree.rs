@@ -212,8 +212,8 @@ fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
     let corners = vertices.map(|v| Vec3::from(v.position).as_dvec3());
     let repeats = (f64::from(area) / doubled_area(corners).max(f64::MIN_POSITIVE)).sqrt() as f32;
     let repeats = if repeats.is_finite() { repeats } else { 0.0 };
-    let normals = vertices.map(|v| unit_vector(v.normal.into()));
-    let tangents = vertices.map(|v| unit_vector(Vec3::from_slice(&v.tangent[..3])));
+    let normals = vertices.map(|v| packed_unit_vector(v.normal.into()));
+    let tangents = vertices.map(|v| packed_unit_vector(Vec3::from_slice(&v.tangent[..3])));
     let handedness = if vertices[0].tangent[3] < 0.0 { 1 << 31 } else { 0 };
     let bits = f32::to_bits;
     [
@@ -229,7 +229,7 @@ fn doubled_area([a, b, c]: [DVec3; 3]) -> f64 {
 }
 
 /// Packs a unit vector into three signed numbers of ten bits (`UnpackUnitVector` of `triangles/color.glsl` unpacks it).
-fn unit_vector(v: Vec3) -> u32 {
-    let part = |a: f32| ((a.clamp(-1.0, 1.0) * 511.0).round() as i32).cast_unsigned() & 0x3ff;
-    part(v.x) | part(v.y) << 10 | part(v.z) << 20
+fn packed_unit_vector(v: Vec3) -> u32 {
+    let ten_bits = |a: f32| ((a.clamp(-1.0, 1.0) * 511.0).round() as i32).cast_unsigned() & 0x3ff;
+    ten_bits(v.x) | ten_bits(v.y) << 10 | ten_bits(v.z) << 20
 }

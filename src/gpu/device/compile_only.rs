@@ -53,10 +53,10 @@ macro_rules! replacements {
                 _: vk::Device,
                 _: *const $Info,
                 _: *const vk::AllocationCallbacks<'_>,
-                made: *mut $Handle,
+                room: *mut $Handle,
             ) -> vk::Result {
                 // SAFETY: the caller gives room for a handle.
-                unsafe { made.write(handle()) };
+                unsafe { room.write(handle()) };
                 vk::Result::SUCCESS
             }
 
@@ -218,10 +218,10 @@ unsafe extern "system" fn create_buffer(
     _: vk::Device,
     info: *const vk::BufferCreateInfo<'_>,
     _: *const vk::AllocationCallbacks<'_>,
-    made: *mut vk::Buffer,
+    room: *mut vk::Buffer,
 ) -> vk::Result {
     // SAFETY: the caller gives a complete create info, and room for a handle.
-    unsafe { made.write(vk::Buffer::from_raw(Box::into_raw(Box::new((*info).size)) as u64)) };
+    unsafe { room.write(vk::Buffer::from_raw(Box::into_raw(Box::new((*info).size)) as u64)) };
     vk::Result::SUCCESS
 }
 
@@ -242,30 +242,30 @@ fn requirements(size: vk::DeviceSize) -> vk::MemoryRequirements {
 unsafe extern "system" fn get_buffer_memory_requirements(
     _: vk::Device,
     buffer: vk::Buffer,
-    made: *mut vk::MemoryRequirements,
+    room: *mut vk::MemoryRequirements,
 ) {
     // SAFETY: the handle is that of a living buffer of `create_buffer`; the caller gives room for the answer.
-    unsafe { made.write(requirements(*(buffer.as_raw() as *const vk::DeviceSize))) };
+    unsafe { room.write(requirements(*(buffer.as_raw() as *const vk::DeviceSize))) };
 }
 
 /// Writes the same requirements for every image. Any size serves, since the host never maps an image's memory.
 unsafe extern "system" fn get_image_memory_requirements(
     _: vk::Device,
     _: vk::Image,
-    made: *mut vk::MemoryRequirements,
+    room: *mut vk::MemoryRequirements,
 ) {
     // SAFETY: the caller gives room for the answer.
-    unsafe { made.write(requirements(16)) };
+    unsafe { room.write(requirements(16)) };
 }
 
 /// Makes up a handle for each command buffer.
 unsafe extern "system" fn allocate_command_buffers(
     _: vk::Device,
     info: *const vk::CommandBufferAllocateInfo<'_>,
-    made: *mut vk::CommandBuffer,
+    room: *mut vk::CommandBuffer,
 ) -> vk::Result {
     // SAFETY: the caller gives room for as many handles as its info counts.
-    unsafe { (0..(*info).command_buffer_count as usize).for_each(|n| made.add(n).write(handle())) };
+    unsafe { (0..(*info).command_buffer_count as usize).for_each(|n| room.add(n).write(handle())) };
     vk::Result::SUCCESS
 }
 
@@ -273,10 +273,10 @@ unsafe extern "system" fn allocate_command_buffers(
 unsafe extern "system" fn allocate_descriptor_sets(
     _: vk::Device,
     info: *const vk::DescriptorSetAllocateInfo<'_>,
-    made: *mut vk::DescriptorSet,
+    room: *mut vk::DescriptorSet,
 ) -> vk::Result {
     // SAFETY: the caller gives room for as many handles as its info counts.
-    unsafe { (0..(*info).descriptor_set_count as usize).for_each(|n| made.add(n).write(handle())) };
+    unsafe { (0..(*info).descriptor_set_count as usize).for_each(|n| room.add(n).write(handle())) };
     vk::Result::SUCCESS
 }
 

@@ -59,14 +59,14 @@ impl Slot {
     /// frame, two for each pass follow, and the last one ends the frame.
     pub(super) fn times(&self) -> Result<(Vec<PassTime>, f64)> {
         let stamps = self.timestamps.milliseconds()?;
-        let pairs = stamps.get(1..).unwrap_or_default().chunks_exact(2);
-        let time = |((name, counted), pair): (&(String, bool), &[f64])| PassTime {
+        let (pass_stamps, _) = stamps.get(1..).unwrap_or_default().as_chunks::<2>();
+        let time = |((name, counted), [begin, end]): (&(String, bool), &[f64; 2])| PassTime {
             name: name.clone(),
-            ms: pair[1] - pair[0],
-            start_ms: pair[0],
+            ms: end - begin,
+            start_ms: *begin,
             counted: *counted,
         };
-        Ok((self.timed.iter().zip(pairs).map(time).collect(), stamps.last().copied().unwrap_or(0.0)))
+        Ok((self.timed.iter().zip(pass_stamps).map(time).collect(), stamps.last().copied().unwrap_or(0.0)))
     }
 }
 

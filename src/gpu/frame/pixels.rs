@@ -10,9 +10,9 @@ use crate::gpu::program::InEitherStage;
 use crate::gpu::shader::{Binding, BindingKind};
 
 impl Frame<'_> {
-    /// Records a pass of a program over whole targets, all of one size, in the shader stage of its pipeline. The first
-    /// target must be wanted, since a compute program takes the size from this target. No target may be one that is
-    /// cleared first: a compute program cannot clear.
+    /// Records a pass of a program over whole targets, all of one size, in the shader stage of its pipeline. At least
+    /// one target must be wanted, since a compute program takes the size from the first such target. No target may be
+    /// one that is cleared first: a compute program cannot clear.
     pub fn pixels<F: InEitherStage>(
         &mut self,
         name: &str,

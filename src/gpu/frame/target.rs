@@ -112,8 +112,8 @@ impl Frame<'_> {
         draw: impl FnOnce(&mut Self) -> Result<()>,
     ) -> Result<()> {
         // Pipelines have no target for unwanted outputs at the end (`SharedPipeline::graphics`).
-        let wanted = targets.iter().rposition(|target| target.slice.is_some()).map_or(0, |last| last + 1);
-        let targets = &targets[..wanted];
+        let count = targets.iter().rposition(|target| target.slice.is_some()).map_or(0, |last| last + 1);
+        let targets = &targets[..count];
         for slice in targets.iter().filter_map(|target| target.slice) {
             self.use_image(slice, Access::ColorAttachment);
         }

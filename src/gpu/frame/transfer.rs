@@ -75,7 +75,7 @@ impl Frame<'_> {
     /// Copies the bits of one level to another of the same size, whose format may give the bits another meaning.
     pub fn copy(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
         assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
-        assert_eq!(from.slices().1, to.slices().1, "{name}: a copy has as many slices as its source");
+        assert_eq!(from.slices().len(), to.slices().len(), "{name}: a copy has as many slices as its source");
         self.copy_between(name, from, to, layers(&to))
     }
 
@@ -232,7 +232,7 @@ impl Frame<'_> {
 
 /// Returns layer `layer` of `to`, into which the only layer of `from` is copied.
 fn one_layer(name: &str, from: &ImageSlice, to: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
-    assert_eq!(from.image().layers(), 1, "{name}: a layer is brought from an image of one");
+    assert_eq!(from.image().layers(), 1, "{name}: the source has one layer");
     layer_of(name, to, layer)
 }
 
@@ -254,12 +254,12 @@ fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
 
 /// Returns the texel at which a slice begins; z is the number of a volume's slice.
 fn offset(slice: &ImageSlice) -> vk::Offset3D {
-    vk::Offset3D { x: 0, y: 0, z: slice.slices().0 as i32 }
+    vk::Offset3D { x: 0, y: 0, z: slice.slices().start as i32 }
 }
 
 fn extent(slice: &ImageSlice) -> vk::Extent3D {
     let [width, height] = slice.extent();
-    vk::Extent3D { width, height, depth: slice.slices().1 }
+    vk::Extent3D { width, height, depth: slice.slices().len() as u32 }
 }
 
 /// Describes a copy between a whole slice and tightly packed texels in a buffer.

@@ -28,13 +28,14 @@ impl Loan {
         let key = (kind, desc.format, desc.extent, desc.levels, desc.layers, desc.usage);
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         let mut images = self.pool.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let free = (0..images.len()).find(|n| images[*n].0 == key && !taken.contains(n));
+        let free = images.iter().enumerate().position(|(n, (known, _))| *known == key && !taken.contains(&n));
         if free.is_none() {
             images.push((key, make()?));
         }
         let index = free.unwrap_or(images.len() - 1);
         taken.push(index);
-        Ok(images[index].1.renamed(desc.name))
+        let (_, image) = &images[index];
+        Ok(image.renamed(desc.name))
     }
 }
 

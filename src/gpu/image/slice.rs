@@ -3,8 +3,10 @@
 use super::{Image, has_stencil, level_extent};
 use crate::gpu::sync::TrackedState;
 use ash::vk;
+use std::ops::Range;
 
 /// A part of an image, as a shader or an attachment sees it: `count` mip levels from `base` on, or a slice of a volume.
+/// If `by_face` is set, shaders see the faces of a cube map as an array of images.
 #[derive(Clone, Copy)]
 pub struct ImageSlice<'a> {
     pub(super) image: &'a Image,
@@ -36,9 +38,9 @@ impl<'a> ImageSlice<'a> {
         level_extent(self.image.extent, self.base)
     }
 
-    /// Returns which slices of a volume are covered: the first, and how many. For other images these are 0 and 1.
-    pub(crate) fn slices(&self) -> (u32, u32) {
-        self.slice.map_or((0, self.image.depth), |slice| (slice, 1))
+    /// Returns which slices of a volume are covered; 0..1 for other images.
+    pub(crate) fn slices(&self) -> Range<u32> {
+        self.slice.map_or(0..self.image.depth, |slice| slice..slice + 1)
     }
 
     /// The view through which shaders see this part of the image.

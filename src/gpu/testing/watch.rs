@@ -132,7 +132,7 @@ impl Watch {
     }
 }
 
-/// The outcome of a submission or wait.
+/// The outcome of a submission or wait: it works, it is the one at which the device is lost, or it comes later.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Submission {
     Works,

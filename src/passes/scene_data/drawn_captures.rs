@@ -33,15 +33,15 @@ pub(crate) struct DrawingCost {
 }
 
 impl DrawingCost {
-    /// Calls `make`, and returns what it made, with the cost.
+    /// Calls `make`, and returns its result, with the cost of making it.
     pub fn measure<T>(
         context: &mut FrameContext,
         make: impl FnOnce(&mut FrameContext) -> Result<T>,
     ) -> Result<(T, Self)> {
         let (bytes_before, begun) = (context.gpu().allocated_bytes(), Instant::now());
-        let made = make(context)?;
+        let result = make(context)?;
         let device_bytes = context.gpu().allocated_bytes().saturating_sub(bytes_before);
-        Ok((made, Self { time_ms: 1e3 * begun.elapsed().as_secs_f64(), device_bytes }))
+        Ok((result, Self { time_ms: 1e3 * begun.elapsed().as_secs_f64(), device_bytes }))
     }
 }
 

@@ -86,9 +86,6 @@ impl SceneData {
 
     /// Copies the moving triangles that [`Self::prepare_triangles`] has built to the device in the pass "moving", and
     /// reports the time of building them as the host's pass "moving/tree". Records nothing if nothing has moved.
-    ///
-    /// # Errors
-    /// Errors of the device.
     pub fn copy_moving(&self, frame: &mut Frame) -> Result<()> {
         let Some((geometry, _)) = self.triangle_geometry.get() else { return Ok(()) };
         if let Some(ms) = self.moving_ms.take() {

@@ -101,7 +101,8 @@ impl TriangleImages {
                 Ok(())
             })?;
         }
-        Ok(Self { maps, buffer: TexelBuffer::new(buffer, TEXELS.0, TEXELS.1)? })
+        let (format, texel_bytes) = TEXELS;
+        Ok(Self { maps, buffer: TexelBuffer::new(buffer, format, texel_bytes)? })
     }
 
     /// Returns the words of some textures, each given with the texels of its levels, and the map of each texture. The
@@ -138,9 +139,9 @@ impl TriangleImages {
         let rows = |m: &Material| {
             let (albedo, normal, mask) = (map(m.albedo_map), map(m.normal_map), map(m.alpha_mask));
             let properties = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
-            let bits = properties.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
+            let bits = properties.into_iter().filter(|(has, _)| *has).fold(0, |bits, (_, bit)| bits | bit);
             let maps = [(albedo, ALBEDO_SHIFT), (normal, NORMAL_SHIFT), (mask, MASK_SHIFT)];
-            let bits = maps.into_iter().fold(bits, |all, (map, shift)| all | map.levels_and_encoding << shift);
+            let bits = maps.into_iter().fold(bits, |bits, (map, shift)| bits | map.levels_and_encoding << shift);
             let deviation = if m.normal_map.is_some() { m.normal_deviation } else { 0.0 };
             let [r, g, b] = m.albedo.to_array();
             [

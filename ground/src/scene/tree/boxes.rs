@@ -36,7 +36,7 @@ pub struct PaddedTriangles {
 }
 
 impl PaddedTriangles {
-    /// Makes the boxes of triangles with corners in metres.
+    /// Makes the boxes of `count` triangles; `corners` returns the corners of the triangle of a number, in metres.
     pub fn new(count: usize, corners: impl Fn(usize) -> [DVec3; 3]) -> Self {
         let (middle, extent) = middle_and_extent(|| (0..count).flat_map(&corners));
         Self::around(middle, extent, count, corners)

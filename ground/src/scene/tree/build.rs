@@ -83,7 +83,7 @@ impl BuildTrees for Trees {
         let numbered = (0..).zip(triangles(&self.scene)).filter(is_standing);
         let (numbers, list): (Vec<u32>, Vec<_>) = numbered.map(|(n, (mesh, t))| (n, corners_of(mesh, t))).unzip();
         let mut tree = self.build_tree(&list);
-        tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
+        tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]); // an index into `list` before
         let records = TriangleRecords::new(&self.scene, &tree);
         Ok((tree, records))
     }
@@ -106,7 +106,7 @@ impl BuildTrees for Trees {
         let mut tree = self.build_tree(&list);
         let mut records = TriangleRecords::new(&part, &tree);
         records.renumber(&numbers);
-        tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
+        tree.slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]); // an index into `list` before
         Ok(MovingTriangles { tree, records, numbers })
     }
 }
@@ -116,6 +116,7 @@ fn corners_of(mesh: &Mesh, triangle: [u32; 3]) -> [DVec3; 3] {
     triangle.map(|i| Vec3::from(mesh.vertices[i as usize].position).as_dvec3())
 }
 
+/// Refuses a scene with more triangles than have numbers.
 fn check_count(scene: &Scene) -> Result<()> {
     let count = scene.triangle_count();
     if count > MAX_TRIANGLES {

@@ -6,7 +6,7 @@ use ash::vk::Handle;
 use std::ffi::c_void;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// A device that is watched.
+/// A device that is watched: the raw handles of the device and its queue, the watch, and the driver's own functions.
 struct WatchedDevice {
     device: u64,
     queue: u64,
@@ -19,11 +19,11 @@ struct WatchedDevice {
 static WATCHED: RwLock<Vec<Arc<WatchedDevice>>> = RwLock::new(Vec::new());
 
 fn find_watched(matches: impl Fn(&WatchedDevice) -> bool) -> Option<Arc<WatchedDevice>> {
-    let all = WATCHED.read().unwrap_or_else(PoisonError::into_inner);
-    all.iter().find(|device| matches(device)).cloned()
+    let devices = WATCHED.read().unwrap_or_else(PoisonError::into_inner);
+    devices.iter().find(|device| matches(device)).cloned()
 }
 
-fn of_device(device: vk::Device) -> Option<Arc<WatchedDevice>> {
+fn watched_device(device: vk::Device) -> Option<Arc<WatchedDevice>> {
     find_watched(|watched| watched.device == device.as_raw())
 }
 
@@ -90,14 +90,14 @@ macro_rules! object {
             device: vk::Device,
             info: *const $info,
             callbacks: *const vk::AllocationCallbacks<'_>,
-            made: *mut $handle,
+            room: *mut $handle,
         ) -> vk::Result {
-            let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
-            if let Err(result) = w.watch.allocation() {
+            let Some(watched) = watched_device(device) else { return vk::Result::ERROR_UNKNOWN };
+            if let Err(result) = watched.watch.allocation() {
                 return result;
             }
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
-            w.watch.count_made($kind, 1, unsafe { (w.v1_0.$create)(device, info, callbacks, made) })
+            watched.watch.count_made($kind, 1, unsafe { (watched.v1_0.$create)(device, info, callbacks, room) })
         }
 
         unsafe extern "system" fn $destroy(
@@ -105,10 +105,10 @@ macro_rules! object {
             handle: $handle,
             callbacks: *const vk::AllocationCallbacks<'_>,
         ) {
-            let Some(w) = of_device(device) else { return };
-            w.watch.add_living($kind, -i64::from(!handle.is_null()));
+            let Some(watched) = watched_device(device) else { return };
+            watched.watch.add_living($kind, -i64::from(!handle.is_null()));
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
-            unsafe { (w.v1_0.$destroy)(device, handle, callbacks) };
+            unsafe { (watched.v1_0.$destroy)(device, handle, callbacks) };
         }
     };
 }
@@ -160,17 +160,17 @@ macro_rules! pipelines {
             count: u32,
             infos: *const $info,
             callbacks: *const vk::AllocationCallbacks<'_>,
-            made: *mut vk::Pipeline,
+            handles: *mut vk::Pipeline,
         ) -> vk::Result {
-            let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
-            if let Err(result) = w.watch.allocation() {
+            let Some(watched) = watched_device(device) else { return vk::Result::ERROR_UNKNOWN };
+            if let Err(result) = watched.watch.allocation() {
                 // SAFETY: the caller gives room for `count` handles; a pipeline that failed is null.
-                unsafe { std::slice::from_raw_parts_mut(made, count as usize) }.fill(vk::Pipeline::null());
+                unsafe { std::slice::from_raw_parts_mut(handles, count as usize) }.fill(vk::Pipeline::null());
                 return result;
             }
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
-            let result = unsafe { (w.v1_0.$create)(device, cache, count, infos, callbacks, made) };
-            w.watch.count_made("pipelines", count, result)
+            let result = unsafe { (watched.v1_0.$create)(device, cache, count, infos, callbacks, handles) };
+            watched.watch.count_made("pipelines", count, result)
         }
     };
 }
@@ -183,22 +183,22 @@ unsafe extern "system" fn destroy_pipeline(
     handle: vk::Pipeline,
     callbacks: *const vk::AllocationCallbacks<'_>,
 ) {
-    let Some(w) = of_device(device) else { return };
-    w.watch.add_living("pipelines", -i64::from(!handle.is_null()));
+    let Some(watched) = watched_device(device) else { return };
+    watched.watch.add_living("pipelines", -i64::from(!handle.is_null()));
     // SAFETY: the caller's arguments go unchanged to the driver's own call.
-    unsafe { (w.v1_0.destroy_pipeline)(device, handle, callbacks) };
+    unsafe { (watched.v1_0.destroy_pipeline)(device, handle, callbacks) };
 }
 
 /// Declares a call that counts as an allocation but makes no object that is counted.
 macro_rules! allocation {
     ($call:ident, $($argument:ident: $type:ty),*) => {
         unsafe extern "system" fn $call(device: vk::Device, $($argument: $type),*) -> vk::Result {
-            let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
-            if let Err(result) = w.watch.allocation() {
+            let Some(watched) = watched_device(device) else { return vk::Result::ERROR_UNKNOWN };
+            if let Err(result) = watched.watch.allocation() {
                 return result;
             }
             // SAFETY: the caller's arguments go unchanged to the driver's own call.
-            unsafe { (w.v1_0.$call)(device, $($argument),*) }
+            unsafe { (watched.v1_0.$call)(device, $($argument),*) }
         }
     };
 }
@@ -226,10 +226,11 @@ unsafe extern "system" fn queue_submit2(
     submits: *const vk::SubmitInfo2<'_>,
     fence: vk::Fence,
 ) -> vk::Result {
-    let Some(w) = find_watched(|w| w.queue == queue.as_raw()) else { return vk::Result::ERROR_UNKNOWN };
-    match w.watch.submission() {
+    let found = find_watched(|watched| watched.queue == queue.as_raw());
+    let Some(watched) = found else { return vk::Result::ERROR_UNKNOWN };
+    match watched.watch.submission() {
         // SAFETY: the caller's arguments go unchanged to the driver's own call.
-        Submission::Works => unsafe { (w.v1_3.queue_submit2)(queue, count, submits, fence) },
+        Submission::Works => unsafe { (watched.v1_3.queue_submit2)(queue, count, submits, fence) },
         _ => vk::Result::ERROR_DEVICE_LOST,
     }
 }
@@ -239,20 +240,21 @@ unsafe extern "system" fn wait_for_fences(
     device: vk::Device,
     count: u32,
     fences: *const vk::Fence,
-    all: vk::Bool32,
+    wait_all: vk::Bool32,
     timeout: u64,
 ) -> vk::Result {
-    let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
-    let submission = w.watch.submission();
+    let Some(watched) = watched_device(device) else { return vk::Result::ERROR_UNKNOWN };
+    let submission = watched.watch.submission();
     if submission == Submission::Lost {
         // Nothing was submitted since the device was lost, so that a wait would not end.
         return vk::Result::ERROR_DEVICE_LOST;
     }
     // SAFETY: the caller's arguments go unchanged to the driver's own call.
-    let result = unsafe { (w.v1_0.wait_for_fences)(device, count, fences, all, timeout) };
+    let result = unsafe { (watched.v1_0.wait_for_fences)(device, count, fences, wait_all, timeout) };
     if submission == Submission::Works { result } else { vk::Result::ERROR_DEVICE_LOST }
 }
 
+/// Fetches results from the driver, or returns that the device is lost.
 unsafe extern "system" fn get_query_pool_results(
     device: vk::Device,
     pool: vk::QueryPool,
@@ -263,27 +265,28 @@ unsafe extern "system" fn get_query_pool_results(
     stride: vk::DeviceSize,
     flags: vk::QueryResultFlags,
 ) -> vk::Result {
-    let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
-    match w.watch.submission() {
+    let Some(watched) = watched_device(device) else { return vk::Result::ERROR_UNKNOWN };
+    match watched.watch.submission() {
         // SAFETY: the caller's arguments go unchanged to the driver's own call.
         Submission::Works => unsafe {
-            (w.v1_0.get_query_pool_results)(device, pool, first, count, size, data, stride, flags)
+            (watched.v1_0.get_query_pool_results)(device, pool, first, count, size, data, stride, flags)
         },
         _ => vk::Result::ERROR_DEVICE_LOST,
     }
 }
 
+/// Waits in the driver, even if the device is lost, and returns whether it is.
 unsafe extern "system" fn device_wait_idle(device: vk::Device) -> vk::Result {
-    let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+    let Some(watched) = watched_device(device) else { return vk::Result::ERROR_UNKNOWN };
     // SAFETY: the caller's argument goes unchanged to the driver's own call.
-    let result = unsafe { (w.v1_0.device_wait_idle)(device) };
-    if w.watch.lost.load(std::sync::atomic::Ordering::SeqCst) { vk::Result::ERROR_DEVICE_LOST } else { result }
+    let result = unsafe { (watched.v1_0.device_wait_idle)(device) };
+    if watched.watch.lost.load(std::sync::atomic::Ordering::SeqCst) { vk::Result::ERROR_DEVICE_LOST } else { result }
 }
 
 unsafe extern "system" fn destroy_device(device: vk::Device, callbacks: *const vk::AllocationCallbacks<'_>) {
-    let Some(w) = of_device(device) else { return };
+    let Some(watched) = watched_device(device) else { return };
     // Removed before the call, because the driver may give the handle to the next device.
-    WATCHED.write().unwrap_or_else(PoisonError::into_inner).retain(|w| w.device != device.as_raw());
+    WATCHED.write().unwrap_or_else(PoisonError::into_inner).retain(|other| other.device != device.as_raw());
     // SAFETY: the caller's arguments go unchanged to the driver's own call.
-    unsafe { (w.v1_0.destroy_device)(device, callbacks) };
+    unsafe { (watched.v1_0.destroy_device)(device, callbacks) };
 }
