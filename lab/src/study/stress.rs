@@ -30,6 +30,7 @@ use ssct_ground::math::random::Stream;
 use ssct_scenes::{GBufferData, Lens, Scene, View};
 use ssct_truth::metrics::hits::HitVerdict;
 use ssct_truth::reference::hierarchy::Hierarchy;
+use std::cell::LazyCell;
 
 /// The method that must pass every case. Published methods must only finish.
 pub const JUDGED: &str = "unified";
@@ -160,15 +161,20 @@ fn wrong_kind(number: f32) -> Option<WrongKind> {
 /// Runs the screen-space methods of `lineup`, which are made for the case's size, on the G-buffer of a case, and makes
 /// a record of each.
 pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenMethods) -> Result<Vec<StressRecord>> {
+    if lineup.len() == 0 {
+        return Ok(Vec::new());
+    }
     let data = case.gbuffer();
     let images = GBufferImages::upload_unsound(&mut lineup.context, &data)?;
-    let truth = case.comparable.then(|| Truth::new(&data));
+    // The oracle's rays are traced once a method has hits.
+    let truth = case.comparable.then(|| LazyCell::new(|| Truth::new(&data)));
     let mut records = Vec::new();
     for n in 0..lineup.len() {
         let (method, frame) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
         let setup = Setup::on_screen(case.extent());
         let judged = JudgedFrame { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
-        let compared = truth.as_ref().and_then(|truth| truth.compare(&frame, method));
+        let with_hits = truth.as_ref().filter(|_| frame.hits.is_some());
+        let compared = with_hits.and_then(|truth| truth.compare(&frame, method));
         records.push(frame.judge(gpu, &judged, method, &data, compared));
     }
     Ok(records)
@@ -361,11 +367,11 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<
         let name = format!("{}, roughness {roughness}", place.name);
         let Some(data) = lineup.draw(camera)? else { continue };
         let frames = lineup.read_images()?;
-        let truth = (roughness == 0.0).then(|| Truth::new(&data));
+        let truth = (roughness == 0.0).then(|| LazyCell::new(|| Truth::new(&data)));
         let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
         records.extend(lineup.methods().zip(&frames).map(|(m, frame)| {
             // The screen's oracle does not know hits in captures.
-            let truth = truth.as_ref().filter(|_| m.is_screen_space());
+            let truth = truth.as_ref().filter(|_| m.is_screen_space() && frame.hits.is_some());
             frame.judge(gpu, &judged, m, &data, truth.and_then(|truth| truth.compare(frame, m)))
         }));
     }
