@@ -34,8 +34,8 @@ fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     let prefix = folder.join("prefix");
     let mut install = Command::new(repository().join("scripts/install-c.sh"));
     // With all packages selected, crates have the features that they have in this program, and are not compiled again.
-    let all = ["--workspace", "--lib"];
-    succeed(install.env("CARGO_NET_OFFLINE", "true").arg(&prefix).args(all), folder);
+    let packages = ["--workspace", "--lib"];
+    succeed(install.env("CARGO_NET_OFFLINE", "true").arg(&prefix).args(packages), folder);
 
     let source = repository().join("examples/c");
     let build = "cc -std=c11 -O2 -Wall -Wextra -Wpedantic -Werror -o hall \"$SOURCE/main.c\" \
@@ -62,18 +62,18 @@ fn the_example_in_c_shows_what_the_command_makes_of_its_images() {
     assert_eq!(blocks.len(), 6, "the three steps, motion, triangles, and their textures");
     let shown = format!("#include <ssct.h>\n#include <stdio.h>\n\n{}\n", blocks.join("\n\n"));
     std::fs::write(folder.join("shown.c"), shown).unwrap();
-    let mut c = Command::new("cc");
-    let c = c.args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "shown.c", "-I"]);
-    succeed(c.arg(prefix.join("include")), folder);
+    let mut cc = Command::new("cc");
+    let cc = cc.args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "shown.c", "-I"]);
+    succeed(cc.arg(prefix.join("include")), folder);
     let mut cpp = Command::new("c++");
     let cpp = cpp.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c++"]);
     succeed(cpp.arg(prefix.join("include/ssct.h")), folder);
 
     let mut configure = Command::new("cmake");
     let configure = configure.arg("-S").arg(&source).args(["-B", "built", "-DCMAKE_BUILD_TYPE=Release"]);
-    let mut option = std::ffi::OsString::from("-DCMAKE_PREFIX_PATH=");
-    option.push(&prefix);
-    succeed(configure.arg(option), folder);
+    let mut prefix_option = std::ffi::OsString::from("-DCMAKE_PREFIX_PATH=");
+    prefix_option.push(&prefix);
+    succeed(configure.arg(prefix_option), folder);
     succeed(Command::new("cmake").args(["--build", "built"]), folder);
     succeed(Command::new(folder.join("built/hall")).arg("again.ppm"), folder);
     let picture = |name: &str| std::fs::read(folder.join(name)).unwrap();

@@ -76,7 +76,7 @@ const QUERIED: [&str; 3] =
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Numbers {
     registers: u32,
-    /// Registers that the program holds at a time before the compiler spends further ones in order to load earlier.
+    /// Registers that the program needs at a time, before the compiler takes more of them so that loads begin earlier.
     needed: u32,
     instructions: u32,
     /// Inverse throughput, in cycles, as the compiler estimates it: it takes each loop to run eight times.
@@ -112,10 +112,10 @@ fn records(family: &str, scene: &str, variants: &[&str], stage: &str) -> Vec<Val
 }
 
 /// Returns the statistics of each program on a family of GPUs, by the program's name, and the name of the driver.
-/// `has_queries` adds the variants that use ray queries. Of a program that several runs compile, the greatest numbers
-/// are kept, and the fewest subgroups.
+/// `has_queries` adds the variants that use ray queries. If several runs compile a program, the greatest numbers are
+/// kept, and the fewest subgroups.
 fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, String) {
-    let mut all: BTreeMap<String, Numbers> = BTreeMap::new();
+    let mut programs: BTreeMap<String, Numbers> = BTreeMap::new();
     let mut driver = String::new();
     let queried = has_queries.then_some(("rooms", &QUERIED[..]));
     let runs = || RUNS.into_iter().chain(queried);
@@ -124,12 +124,12 @@ fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, Strin
         for record in records(family, scene, variants, stage) {
             driver = record["device"]["driver"].as_str().unwrap().to_owned();
             let statistic = |name: &str| {
-                let all = record["statistics"].as_array().unwrap();
-                let found = all.iter().find(|s| s["name"] == name).unwrap_or_else(|| panic!("{name} of {record}"));
+                let list = record["statistics"].as_array().unwrap();
+                let found = list.iter().find(|s| s["name"] == name).unwrap_or_else(|| panic!("{name} of {record}"));
                 found["value"].as_f64().unwrap() as u32
             };
             let program = record["program"].as_str().unwrap().to_owned();
-            let kept = all.entry(program).or_default();
+            let kept = programs.entry(program).or_default();
             kept.registers = kept.registers.max(statistic("VGPRs"));
             kept.needed = kept.needed.max(statistic("Pre-Sched VGPRs"));
             kept.instructions = kept.instructions.max(statistic("Instructions"));
@@ -140,7 +140,7 @@ fn numbers(family: &str, has_queries: bool) -> (BTreeMap<String, Numbers>, Strin
             kept.scratch = kept.scratch.max(statistic("Scratch size"));
         }
     }
-    (all, driver)
+    (programs, driver)
 }
 
 /// Returns the table as CSV: a line for the driver, a header, and a row for each program and family.
@@ -153,8 +153,9 @@ fn table(found: &BTreeMap<(String, &str), Numbers>, driver: &str) -> String {
     text
 }
 
-/// Compiled for each family, no program spills, and each has the numbers that `tests/registers.csv` keeps. A change of
-/// a shader may cost occupancy on GPUs that the machine lacks, where no time would show it.
+/// Compiled for each family of AMD's GPUs, no program spills registers, and each has the numbers that
+/// `tests/registers.csv` keeps. A change of a shader may cost occupancy on GPUs that the machine lacks, where no time
+/// would show it.
 #[test]
 #[ignore = "make test-drivers runs it: it needs Mesa's driver for AMD's GPUs"]
 fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them() {
@@ -167,9 +168,9 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
             found.insert((program, family), numbers);
         }
     }
-    let now = table(&found, &driver);
+    let measured = table(&found, &driver);
     if let Some(file) = std::env::var_os("SSCT_WRITE_REGISTERS") {
-        std::fs::write(repository().join(file), now).unwrap();
+        std::fs::write(repository().join(file), measured).unwrap();
         return;
     }
     for ((program, family), numbers) in &found {
@@ -182,7 +183,7 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
     assert!(left_out.is_empty(), "no variant runs these programs: {left_out:?}");
 
     let kept = std::fs::read_to_string(repository().join("tests/registers.csv")).unwrap();
-    if kept.lines().next() != now.lines().next() {
+    if kept.lines().next() != measured.lines().next() {
         println!(
             "the table was made by {}, and this is {driver}: numbers are not compared",
             kept.lines().next().unwrap()
@@ -190,11 +191,11 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
         return;
     }
     let lines = |text: &str| text.lines().map(str::to_owned).collect::<BTreeSet<_>>();
-    let (kept, now) = (lines(&kept), lines(&now));
-    let differ: Vec<String> = now
+    let (kept, measured) = (lines(&kept), lines(&measured));
+    let differ: Vec<String> = measured
         .difference(&kept)
         .map(|line| format!("now  {line}"))
-        .chain(kept.difference(&now).map(|line| format!("kept {line}")))
+        .chain(kept.difference(&measured).map(|line| format!("kept {line}")))
         .collect();
     assert!(
         differ.is_empty(),
@@ -204,9 +205,9 @@ fn programs_on_gpus_that_are_not_there_have_the_registers_that_are_kept_of_them(
     );
 }
 
-/// Returns whether no frame of a method runs a program. Such a program is a vertex stage, whose fragment stage is
-/// listed, or it imports, converts or tests.
+/// Returns whether a program may be missing in the table, by its name. Frames of methods run neither programs that draw
+/// the scene, import images or serve other tools, nor vertex stages alone.
 fn is_elsewhere(name: &str) -> bool {
-    let parts = [".vert", "embed/", "custom/", "scene/", "view/", "common/nothing", "planar/lookup"];
-    parts.iter().any(|part| name.contains(part))
+    let name_parts = [".vert", "embed/", "custom/", "scene/", "view/", "common/nothing", "planar/lookup"];
+    name_parts.iter().any(|part| name.contains(part))
 }

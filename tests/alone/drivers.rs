@@ -18,14 +18,14 @@ const SWIFTSHADER: &str = "SwiftShader";
 /// Odd sides, so that every level of a chain rounds.
 const EXTENT: [u32; 2] = [321, 181];
 
-/// Opens a device by its name, with or without anisotropic filters.
+/// Opens a device by its name. If it is `isotropic`, it filters textures without anisotropy.
 fn open(device: &str, isotropic: bool) -> Gpu {
     let device = Some(device.to_owned());
     Gpu::open(&DeviceQuery { device, validation: true, isotropic, ..DeviceQuery::default() }).unwrap()
 }
 
-/// Returns what two devices draw to be compared: a view of a scene by every method, at the size `EXTENT`, with all rays
-/// on the screen.
+/// Returns what two devices draw for a comparison: a view of a scene by every method, at the size `EXTENT`, with rays
+/// that end on the screen alone.
 fn spec<'a>(scene: &'a Scene, view: &str, globals: Globals) -> AgreementSpec<'a> {
     let view = scene.view(view).unwrap();
     AgreementSpec { scene, view, globals, methods: METHODS.iter().collect(), setup: Setup::on_screen(EXTENT) }
@@ -36,8 +36,8 @@ fn of_roughness(roughness: f32) -> Globals {
     Globals { roughness: Some(roughness), ..Globals::default() }
 }
 
-/// Returns the two greatest mean FLIP values that are allowed between the drivers' images of a method on one G-buffer:
-/// of a mirror, and of roughness 0.1.
+/// Returns the greatest mean FLIP error that is allowed between the drivers' images of a method on one G-buffer: first
+/// for roughness 0, then for 0.1.
 fn greatest_flip(method: &str) -> [f64; 2] {
     match method {
         // Its chains of half floats are blurred in many steps; lavapipe cuts off what each step stores, and SwiftShader
@@ -65,17 +65,18 @@ fn methods_make_the_same_of_one_gbuffer() {
         for (n, roughness) in [0.0, 0.1].into_iter().enumerate() {
             let spec = spec(&scene, view, of_roughness(roughness));
             let data = agreement::draw(&base, &spec).unwrap();
-            let made = [&base, &other].map(|gpu| agreement::images(gpu, &spec, &data).unwrap());
-            for r in agreement::compare(&other, base.info(), &spec, &data, [&made[0], &made[1]]) {
-                let AgreementRecord { head, hits, apart, ties, rmse, flip, pixels, .. } = &r;
+            let images = [&base, &other].map(|gpu| agreement::images(gpu, &spec, &data).unwrap());
+            for record in agreement::compare(&other, base.info(), &spec, &data, [&images[0], &images[1]]) {
+                let AgreementRecord { head, hits, apart, ties, rmse, flip, pixels, .. } = &record;
                 let name = &head.method;
                 println!("{} {view} {roughness} {name}: {hits:?} {apart:?} {ties:?} {rmse:.5} {flip:.4}", scene.name);
                 assert!(*pixels > 1000 && *flip <= greatest_flip(name)[n], "{name}, {roughness}: FLIP {flip}");
                 // No driver has a choice in a mirror's hits; a lobe may be traced by another ray.
-                if let Some(agree) = hits.hit_agreement.filter(|_| n == 0) {
+                let is_mirror = roughness == 0.0;
+                if let Some(agree) = hits.hit_agreement.filter(|_| is_mirror) {
                     assert!(agree >= 0.9995, "{name}: {hits:?}");
                 }
-                if name == "unified" && n == 0 {
+                if name == "unified" && is_mirror {
                     assert_eq!(apart, ties, "hits of unified are the same but for ties");
                     assert!(apart.is_some());
                 }
@@ -107,7 +108,7 @@ fn gbuffers_differ_by_the_filter_of_material_maps() {
     let plain = drawn(true, Globals { normal_deviation: Some(0.0), ..of_roughness(0.0) });
     // Edges of triangles alone show another surface.
     assert!(plain.other_surface < 0.001 && plain.other_normal < 0.001, "{plain:?}");
-    // Most of what normal maps show otherwise comes of anisotropy.
+    // Most differences of normals come from anisotropic filters.
     assert!(isotropic.other_normal < 0.005 && isotropic.other_color < 0.005, "{isotropic:?}");
     assert!(usual.other_normal > 10.0 * isotropic.other_normal, "{usual:?}");
 }
@@ -153,22 +154,22 @@ fn both_drivers_record_and_time_the_same_passes() {
         ]);
         serde_json::from_str(&json).unwrap()
     };
-    let [ours, theirs] = [LAVAPIPE, SWIFTSHADER].map(timed);
+    let [by_lavapipe, by_swiftshader] = [LAVAPIPE, SWIFTSHADER].map(timed);
     // SwiftShader has no geometry shaders, so that its G-buffer does not number triangles. One more pass, called
     // "no triangle", tells this to shaders.
-    let recorded = |r: &Value| -> Vec<Value> {
-        r["recorded"].as_array().unwrap().iter().filter(|pass| *pass != "no triangle").cloned().collect()
+    let recorded = |record: &Value| -> Vec<Value> {
+        record["recorded"].as_array().unwrap().iter().filter(|pass| *pass != "no triangle").cloned().collect()
     };
     let rooms = library::scene("rooms").unwrap();
     let shown = METHODS.iter().filter(|method| method.unmet_needs(&rooms).is_empty()).count();
-    assert_eq!((ours.len(), theirs.len()), (2 * shown, 2 * shown));
-    for (a, b) in ours.iter().zip(&theirs) {
-        assert_eq!(a["method"], b["method"]);
-        assert_eq!((recorded(a), &a["skipped"]), (recorded(b), &b["skipped"]), "{}", a["method"]);
-        for r in [a, b] {
-            assert!(r["total"]["median_ms"].as_f64().unwrap() > 0.0, "{r}");
-        }
-        println!("{} {}: {} ms, {} ms", a["method"], a["roughness"], a["total"]["median_ms"], b["total"]["median_ms"]);
+    assert_eq!((by_lavapipe.len(), by_swiftshader.len()), (2 * shown, 2 * shown));
+    for (first, second) in by_lavapipe.iter().zip(&by_swiftshader) {
+        let method = &first["method"];
+        assert_eq!(*method, second["method"]);
+        assert_eq!((recorded(first), &first["skipped"]), (recorded(second), &second["skipped"]), "{method}");
+        let [first_ms, second_ms] = [first, second].map(|record| record["total"]["median_ms"].as_f64().unwrap());
+        assert!(first_ms > 0.0 && second_ms > 0.0, "{first}, {second}");
+        println!("{method} {}: {first_ms} ms, {second_ms} ms", first["roughness"]);
     }
 }
 
@@ -187,20 +188,21 @@ fn a_device_is_measured_and_held_against_its_own_images() {
         assert_eq!(pages.lines().collect::<Vec<_>>(), ["study/readme.html", "study/index.html"], "{log}");
         assert!(log.starts_with("ssct: gpu-study, part 1 of 7: the README's numbers\n"), "{log}");
         assert!(log.lines().count() == 7 && log.contains("part 7 of 7"), "{log}");
-        let all: Vec<Value> = serde_json::from_str(&folder.text("study/gpu-study.json")).unwrap();
-        all
+        let records: Vec<Value> = serde_json::from_str(&folder.text("study/gpu-study.json")).unwrap();
+        records
     };
     let records = study(&[]);
     let records_of = |kind: &str| records.iter().filter(|r| r["kind"] == kind).collect::<Vec<_>>();
     let times: Vec<Value> = serde_json::from_str(&folder.text("study/time.json")).unwrap();
     // The last six records are `unified` in each stage at three roughness values.
-    for pair in times[times.len() - 6..].chunks_exact(2) {
-        assert_eq!([0, 1].map(|n| &pair[n]["setup"]["trace_stage"]), ["fragment", "compute"]);
-        assert_eq!((&pair[0]["recorded"], &pair[0]["roughness"]), (&pair[1]["recorded"], &pair[1]["roughness"]));
+    for stages in times[times.len() - 6..].chunks_exact(2) {
+        let [fragment, compute] = [&stages[0], &stages[1]];
+        assert_eq!([fragment, compute].map(|time| &time["setup"]["trace_stage"]), ["fragment", "compute"]);
+        assert_eq!((&fragment["recorded"], &fragment["roughness"]), (&compute["recorded"], &compute["roughness"]));
     }
     let rates = records_of("bandwidth");
     assert!(rates.len() > 4 && rates.iter().all(|r| r["gb_per_s"].as_f64().is_some_and(|v| v > 0.0)), "{rates:?}");
-    // Two views, each on the screen alone, on the screen before captures, and in captures.
+    // There are two views, and rays on the screen alone, on the screen before captures, and in captures.
     assert!(
         records_of("steps").iter().all(|r| r["mean"].as_f64().is_some_and(|v| v > 1.0)),
         "{:?}",
@@ -208,7 +210,7 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     );
     assert_eq!(records_of("steps").len(), 2 * 3);
     assert_eq!(records_of("validation")[0]["messages"], Value::Array(Vec::new()));
-    // The second driver is installed, and draws the images with which those of the first are compared.
+    // The second driver is installed, so that its images are compared with those of the first.
     let rooms = crate::common::built_in("rooms");
     let shown = METHODS.iter().filter(|method| method.unmet_needs(&rooms).is_empty()).count();
     assert_eq!((records_of("agreement").len(), records_of("drawn").len()), (2 * shown, 3));
@@ -227,11 +229,11 @@ fn a_device_is_measured_and_held_against_its_own_images() {
     assert!(page.split("<tr").any(names_command), "a row names the command that measures it");
     // The study is compared with itself, as if with another machine's: nothing is measured again, and nothing differs.
     let again = study(&["--resume", "--beside", "study"]);
-    let own: Vec<_> =
+    let with_itself: Vec<_> =
         again.iter().filter(|r| r["kind"] == "agreement" && r["base"]["name"] == r["device"]["name"]).collect();
     let screen = METHODS.iter().filter(|m| m.is_screen_space()).count();
-    assert_eq!(own.len(), 2 * screen);
-    for r in own {
+    assert_eq!(with_itself.len(), 2 * screen);
+    for r in with_itself {
         assert_eq!((&r["rmse"], &r["flip"]), (&0.0.into(), &0.0.into()), "{r}");
     }
 }

@@ -32,19 +32,20 @@ const SCALE: [f32; 2] = [1.2, 1.2 * SIZE[0] as f32 / SIZE[1] as f32];
 /// The scene is a floor, which is rougher to the right, before a pillar and a chequered wall. Only operations that IEEE
 /// 754 rounds exactly are used, so that every build computes the same.
 fn pixel(x: u32, y: u32) -> ([f32; 1], [[f32; 4]; 3]) {
-    let along = |coordinate: u32, axis: usize| (coordinate as f32 + 0.5) / SIZE[axis] as f32 * 2.0 - 1.0;
-    let (right, up) = (along(x, 0) / SCALE[0], -along(y, 1) / SCALE[1]);
+    // The centre of the pixel, from -1 to 1 along an axis; then how far its ray goes right and up for each metre ahead.
+    let centre = |coordinate: u32, axis: usize| (coordinate as f32 + 0.5) / SIZE[axis] as f32 * 2.0 - 1.0;
+    let (right, up) = (centre(x, 0) / SCALE[0], -centre(y, 1) / SCALE[1]);
     let is_pillar = |z: f32| (right * z).abs() < 0.6 && up * z < 1.0;
     let wall = if is_pillar(4.0) { 4.0 } else { 8.0 };
     let floor = if up < 0.0 { -1.0 / up } else { f32::INFINITY };
     let z = if floor < wall { floor } else { wall };
-    let odd = |v: f32| (v * 1.5).floor().rem_euclid(2.0);
+    let parity = |metres: f32| (metres * 1.5).floor().rem_euclid(2.0);
     let depth = [NEAR / z];
     if floor < wall {
         let roughness = 0.2 * (x as f32 / SIZE[0] as f32);
         return (depth, [[0.0, 1.0, 0.0, 0.0], [0.7, roughness, 0.0, 0.0], [0.05, 0.05, 0.06, 1.0]]);
     }
-    let color = if z == 4.0 { [2.0, 0.5, 0.1, 1.0] } else { [0.2, 0.3 + 0.5 * odd(right * z), odd(up * z), 1.0] };
+    let color = if z == 4.0 { [2.0, 0.5, 0.1, 1.0] } else { [0.2, 0.3 + 0.5 * parity(right * z), parity(up * z), 1.0] };
     (depth, [[0.0, 0.0, -1.0, 0.0], [0.0; 4], color])
 }
 
@@ -84,10 +85,10 @@ pub fn picture() -> Result<Vec<u8>> {
             memory: None,
         };
         let renderer = Renderer { instance: &instance, physical, device: &device, family };
-        let made = renderer.frame(handles);
+        let texels = renderer.frame(handles);
         device.destroy_device(None);
         instance.destroy_instance(None);
-        made
+        texels
     }
 }
 
@@ -107,9 +108,9 @@ impl Renderer<'_> {
     unsafe fn frame(&self, handles: ssct::DeviceHandles) -> Result<Vec<u8>> {
         let device = self.device;
         let [width, height] = SIZE;
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let coordinates = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let mut texels: [Vec<u8>; 4] = Default::default();
-        for (x, y) in places {
+        for (x, y) in coordinates {
             let (depth, vectors) = pixel(x, y);
             texels[0].extend(depth[0].to_ne_bytes());
             for (texels, values) in texels[1..].iter_mut().zip(vectors) {
@@ -282,14 +283,14 @@ impl Renderer<'_> {
         }
     }
 
-    /// Allocates memory that meets the requirements `needs` and has the properties `like`. Each image and buffer has
+    /// Allocates memory that meets the requirements `needs` and has all properties `wanted`. Each image and buffer has
     /// memory of its own, since there are few.
-    fn memory(&self, needs: vk::MemoryRequirements, like: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {
+    fn memory(&self, needs: vk::MemoryRequirements, wanted: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {
         // SAFETY: as in `picture`.
         unsafe {
             let types = self.instance.get_physical_device_memory_properties(self.physical);
             let fits = |(i, t): &(usize, &vk::MemoryType)| {
-                needs.memory_type_bits & (1 << i) != 0 && t.property_flags.contains(like)
+                needs.memory_type_bits & (1 << i) != 0 && t.property_flags.contains(wanted)
             };
             let kind = types.memory_types_as_slice().iter().enumerate().find(fits).ok_or("no memory")?.0;
             let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind as u32);

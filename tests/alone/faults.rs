@@ -42,7 +42,7 @@ fn frames(stage: &mut Stage, shot: &Shot) -> Result<Vec<f32>> {
 }
 
 /// Returns whether an error has the type that a fault must become, and names the call or the object that failed.
-fn is_of(error: &Error, fault: Fault) -> bool {
+fn is_error_of(error: &Error, fault: Fault) -> bool {
     use ash::vk::Result as R;
     match (fault, error) {
         (Fault::Allocation(_), Error::Memory { what, .. }) => !what.is_empty(),
@@ -85,14 +85,14 @@ impl Watched {
         drop(gpu);
         assert_eq!(watch.live().into_iter().collect::<Vec<_>>(), [], "with the device gone");
         let left: Vec<_> = log.violations().into_iter().map(|m| m.text).collect();
-        assert_eq!(left, [""; 0], "the layers, of what was left or misused");
+        assert_eq!(left, [""; 0], "the validation layers report objects that were left or misused");
     }
 
     /// Runs an action once without a fault, once with each fault that is tried, and once more without one.
     ///
     /// The tried faults are every `step`th allocation and every submission of the action. Each must make the action
-    /// return an error of the right type and leave no object alive. `same` compares the results of the first and the
-    /// last run; `what` names the action in messages. Returns the number of faults that became errors.
+    /// return an error of the right type and leave no object alive. `is_same` compares the results of the first and
+    /// the last run; `what` names the action in messages. Returns the number of faults that became errors.
     fn try_faults<T>(
         &self,
         what: &str,
@@ -119,7 +119,7 @@ impl Watched {
                 assert!(matches!(fault, Fault::Allocation(n) if reached < n), "{what}, {fault:?}: no error");
                 continue;
             };
-            assert!(is_of(&error, fault), "{what}, {fault:?}: {error}");
+            assert!(is_error_of(&error, fault), "{what}, {fault:?}: {error}");
             assert_eq!(self.live(), before, "{what}, {fault:?}");
             tried += 1;
         }
@@ -191,7 +191,7 @@ fn a_device_that_cannot_be_opened_leaves_nothing() {
     for n in 1..=allocations {
         watch.arm(Some(Fault::Allocation(n)));
         let error = open(&watch).expect_err("a fault is an error");
-        assert!(is_of(&error, Fault::Allocation(n)), "{error}");
+        assert!(is_error_of(&error, Fault::Allocation(n)), "{error}");
         assert_eq!(watch.live().into_iter().collect::<Vec<_>>(), []);
     }
 }
@@ -210,7 +210,7 @@ fn a_frame_that_was_not_submitted_changed_nothing() {
     // The first failure comes when images have no layout yet, the second one after a frame was drawn.
     for _ in 0..2 {
         watch.arm(Some(Fault::Submission(1)));
-        assert!(is_of(&stage.run(&shot, Mode::Timed).unwrap_err(), Fault::Submission(1)));
+        assert!(is_error_of(&stage.run(&shot, Mode::Timed).unwrap_err(), Fault::Submission(1)));
         watch.arm(None);
         stage.run(&shot, Mode::Timed).unwrap();
         gpu.check_validation().unwrap();
@@ -235,7 +235,7 @@ fn a_device_of_the_callers_may_fail() {
     let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
     assert!(tried > 20, "{tried}");
 
-    // The device is lost in the caller's submission: the caller sees that, and times are an error and no numbers.
+    // The device is lost in the caller's submission, which returns the error. Asking for the times is an error, too.
     let input = FrameInput { timed: true, ..theirs.input() };
     let commands = engine.begin();
     // SAFETY: the command buffer is recording; what is recorded is submitted, and nothing is under way after it.
@@ -243,8 +243,8 @@ fn a_device_of_the_callers_may_fail() {
     watched.watch.arm(Some(Fault::Submission(1)));
     assert_eq!(engine.submit(commands), Err(ash::vk::Result::ERROR_DEVICE_LOST));
     let error = reflections.times(input.slot).unwrap_err();
-    assert!(is_of(&error, Fault::Submission(1)), "{error}");
-    // The reflections are dropped as they are and leave nothing. New ones work after the device is there again.
+    assert!(is_error_of(&error, Fault::Submission(1)), "{error}");
+    // The reflections may be dropped after the loss and leave nothing. New ones work once the device does.
     drop(reflections);
     watched.watch.arm(None);
     let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
@@ -284,7 +284,7 @@ fn a_frame_that_cannot_grow_is_an_error_and_the_next_one_grows() {
         watched.watch.arm(Some(Fault::Allocation(faults + 1)));
         match stage.run(&shot, Mode::Plain) {
             Ok((_, drawn)) => break drawn,
-            Err(error) => assert!(is_of(&error, Fault::Allocation(faults + 1)), "{error}"),
+            Err(error) => assert!(is_error_of(&error, Fault::Allocation(faults + 1)), "{error}"),
         }
         assert_eq!(kept_objects(&watched), before, "fault {}", faults + 1);
         faults += 1;

@@ -86,8 +86,8 @@ fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
     }
 }
 
-/// Loads an input within the memory that an input of its length may take, and returns the error's text. Panics if the
-/// input is loaded.
+/// Loads an input, which must fail within the memory that an input of its length may take, and returns the error's
+/// text. `load` returns `None` if the input is loaded.
 fn refused(bytes: &[u8], load: impl FnOnce(&[u8]) -> Option<String>) -> String {
     bounded(load, bytes).expect("an error")
 }
@@ -169,12 +169,12 @@ fn a_tga_that_claims_all_that_it_can_is_refused() {
     if !is_alone() {
         return;
     }
-    for (kind, length) in [(2, 23), (10, 23)] {
+    for kind in [2, 10] {
         let load = |bytes: &[u8]| texture("a.tga", bytes);
         let message = refused(&tga(65_535, 65_535, kind), load);
         assert!(message.starts_with("a.tga: "), "{message}");
         let message = refused(&tga(16_384, 16_384, kind), load);
-        assert_eq!(message, format!("a.tga: an image of 16384 x 16384 texels cannot come from only {length} bytes"));
+        assert_eq!(message, "a.tga: an image of 16384 x 16384 texels cannot come from only 23 bytes");
     }
 }
 

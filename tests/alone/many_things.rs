@@ -88,11 +88,15 @@ fn the_work_of_loading_grows_with_the_number_of_things() {
     if !is_alone() {
         return;
     }
-    type Made = fn(usize) -> Value;
-    for (what, document) in [("cameras", cameras as Made), ("primitives", primitives), ("materials", materials)] {
+    type Make = fn(usize) -> Value;
+    for (what, document) in [("cameras", cameras as Make), ("primitives", primitives), ("materials", materials)] {
         // The first load allocates what a process allocates once.
         loaded(&document(8));
-        let [few, many] = [1000, 4000].map(|count| loaded(&document(count)).1);
+        let allocated_bytes = |count| {
+            let (_, bytes) = loaded(&document(count));
+            bytes
+        };
+        let [few, many] = [1000, 4000].map(allocated_bytes);
         println!("{what}: {few} bytes for 1000, {many} for 4000");
         assert!(many < 5 * few, "{what}: {few} bytes for 1000, {many} for 4000");
     }

@@ -79,7 +79,7 @@ fn lines_of_rust(folder: &Path) -> usize {
     entries.map(lines).sum()
 }
 
-/// Returns the contents of all files in a folder that have an extension, sorted by their bytes.
+/// Returns the contents of the files in a folder that have an extension (without a dot), sorted by their bytes.
 fn contents(folder: &Path, extension: &str) -> Vec<Vec<u8>> {
     let paths = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
     let matching = paths.filter(|p| p.extension().is_some_and(|e| e == extension));

@@ -15,9 +15,9 @@ use ssct_scenes::Capture;
 
 const EXTENT: [u32; 2] = [33, 18];
 
-/// Returns the number of bytes of executable memory in this process that come from no file. Compilers of drivers made
-/// them while the process ran.
-fn made_bytes() -> u64 {
+/// Returns the number of bytes of executable memory in this process that come from no file: the programs that drivers
+/// have compiled. It is 0 where the system does not list the memory of a process.
+fn program_bytes() -> u64 {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let length = |range: &str| {
         let (from, to) = range.split_once('-')?;
@@ -53,25 +53,25 @@ fn frames_make_no_programs() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
 
     let plain = Setup::new(EXTENT);
-    let unified =
+    let variant =
         |name, change: fn(&mut EffectParams)| (format!("unified, {name}"), &unified::INFO, plain.clone().with(change));
     let screen = plain.clone().with(|p: &mut UnifiedParams| p.first = FirstTraced::Screen);
-    let mut all: Vec<(String, &MethodInfo, Setup)> =
+    let mut cases: Vec<(String, &MethodInfo, Setup)> =
         METHODS.iter().map(|method| (method.name.to_owned(), method, plain.clone())).collect();
     let in_compute = plain.clone().with(|p: &mut EffectParams| p.stage = ShaderStage::Compute);
-    all.extend(METHODS.iter().map(|method| (format!("{} in compute", method.name), method, in_compute.clone())));
-    all.push(("unified, the screen first".into(), &unified::INFO, screen));
-    all.push(unified("on the screen", |p| p.beyond = BeyondScreen::None));
-    all.push(unified("captures", |p| p.beyond = BeyondScreen::Captures));
-    all.push(unified("own rays", |p| p.own_rays = OwnRays::Four));
-    all.push(unified("own rays on the screen", |p| (p.beyond, p.own_rays) = (BeyondScreen::None, OwnRays::Four)));
-    all.push(unified("a history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)));
-    all.push(unified("a history in compute", |p| {
+    cases.extend(METHODS.iter().map(|method| (format!("{} in compute", method.name), method, in_compute.clone())));
+    cases.push(("unified, the screen first".into(), &unified::INFO, screen));
+    cases.push(variant("on the screen", |p| p.beyond = BeyondScreen::None));
+    cases.push(variant("captures", |p| p.beyond = BeyondScreen::Captures));
+    cases.push(variant("own rays", |p| p.own_rays = OwnRays::Four));
+    cases.push(variant("own rays on the screen", |p| (p.beyond, p.own_rays) = (BeyondScreen::None, OwnRays::Four)));
+    cases.push(variant("a history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)));
+    cases.push(variant("a history in compute", |p| {
         (p.history, p.history_frames, p.history_stage) = (HistoryUse::On, 3, StageChoice::Compute);
     }));
-    all.push(unified("two bounces", |p| p.bounces = 2));
-    let mut made_again = Vec::new();
-    for (name, method, setup) in all {
+    cases.push(variant("two bounces", |p| p.bounces = 2));
+    let mut recompiled = Vec::new();
+    for (name, method, setup) in cases {
         for roughness in [0.0, 0.1, 0.4] {
             let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, &view);
             let camera = |frame: usize| {
@@ -85,15 +85,15 @@ fn frames_make_no_programs() {
                     shot.camera = camera(frame);
                     stage.run(&shot, Mode::Plain).unwrap();
                 }
-                made_bytes()
+                program_bytes()
             };
             let before = run(0..WARM);
             let after = run(WARM..WARM + MEASURED);
             if after != before {
-                made_again.push(format!("{name} at {roughness}: {} bytes", after as i64 - before as i64));
+                recompiled.push(format!("{name} at {roughness}: {} bytes", after as i64 - before as i64));
             }
         }
     }
-    assert!(!gpu.info().is_cpu() || made_bytes() > 0, "programs are seen");
-    assert!(made_again.is_empty(), "programs made in {MEASURED} frames:\n{}", made_again.join("\n"));
+    assert!(!gpu.info().is_cpu() || program_bytes() > 0, "the driver's programs are counted");
+    assert!(recompiled.is_empty(), "programs made in {MEASURED} frames:\n{}", recompiled.join("\n"));
 }

@@ -34,7 +34,7 @@ impl Held {
     fn now(gpu: &Gpu, watch: &Watch, frames: usize) -> Self {
         let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
         let pages: u64 = statm.split(' ').nth(1).and_then(|p| p.parse().ok()).unwrap_or(0);
-        let now = Self {
+        let held = Self {
             live: digest(&watch.live()),
             device: [gpu.allocated_bytes(), gpu.reserved_bytes()],
             heap: memory::live(),
@@ -44,15 +44,15 @@ impl Held {
         let printed = writeln!(
             std::io::stderr(),
             "{frames} frames: device {} B in use, {} B in blocks, {} objects; host {} B of Rust's, {:.1} MB resident",
-            now.device[0],
-            now.device[1],
+            held.device[0],
+            held.device[1],
             watch.live().values().sum::<i64>(),
-            now.heap,
-            now.resident as f64 / 1e6
+            held.heap,
+            held.resident as f64 / 1e6
         );
         printed.unwrap();
-        assert!(now.resident < 10_000_000_000, "the driver fills the machine");
-        now
+        assert!(held.resident < 10_000_000_000, "the driver fills the machine");
+        held
     }
 }
 
@@ -66,8 +66,8 @@ fn digest(live: &impl Hash) -> u64 {
 /// Widths and heights in pixels; small, so that ten thousand frames take a minute or two on a CPU.
 const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [37, 20], [20, 37], [64, 64]];
 
-/// Draws rounds of all methods at all sizes, `frames_each` frames of each pair in every mode. Returns what is in use
-/// after each round. The scene is uploaded anew in every round.
+/// Draws rounds of all methods at all sizes, `frames_each` frames of each method at each size, in modes by turns.
+/// Returns what is in use after each round. The scene is uploaded anew in every round.
 fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize, rounds: usize) -> Vec<Held> {
     let watch = Arc::<Watch>::default();
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
@@ -105,10 +105,10 @@ fn is_flat(before: u64, after: u64) -> bool {
 /// most a hundredth more memory on the host.
 fn check(usages: &[Held], warm: usize) {
     let first = &usages[warm];
-    for (n, now) in usages.iter().enumerate().skip(warm + 1) {
-        assert_eq!(now.live, first.live, "round {n}");
-        assert_eq!(now.device, first.device, "round {n}");
-        assert!(is_flat(first.heap as u64, now.heap as u64), "round {n}: {} of {}", now.heap, first.heap);
+    for (n, later) in usages.iter().enumerate().skip(warm + 1) {
+        assert_eq!(later.live, first.live, "round {n}");
+        assert_eq!(later.device, first.device, "round {n}");
+        assert!(is_flat(first.heap as u64, later.heap as u64), "round {n}: {} of {}", later.heap, first.heap);
     }
 }
 
@@ -153,21 +153,21 @@ fn soak_embedded(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_eac
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
     let mut engine = Engine::new(&gpu);
     let data: Vec<_> = sizes.iter().map(|size| view_of_rooms(&gpu, *size)).collect();
-    let theirs: Vec<_> = data.iter().map(|data| ForeignGBuffer::new(&mut engine, data, NATIVE)).collect();
+    let gbuffers: Vec<_> = data.iter().map(|data| ForeignGBuffer::new(&mut engine, data, NATIVE)).collect();
     let context = engine.context();
     let (mut usages, mut frames) = (Vec::with_capacity(rounds), 0);
     for _ in 0..rounds {
         for (n, method) in methods.iter().enumerate() {
-            let other = methods[(n + 1) % methods.len()];
-            let mut views = [method, &other].map(|m| Reflections::new(&context, &info(&data[0], m.name)).unwrap());
-            for theirs in &theirs {
+            let next = methods[(n + 1) % methods.len()];
+            let mut reflections = [method, &next].map(|m| Reflections::new(&context, &info(&data[0], m.name)).unwrap());
+            for gbuffer in &gbuffers {
                 for frame in 0..frames_each {
-                    let view = &mut views[frame % 2];
+                    let reflections = &mut reflections[frame % 2];
                     if frame < 2 {
-                        view.resize(theirs.color.extent()).unwrap();
+                        reflections.resize(gbuffer.color.extent()).unwrap();
                     }
-                    let input = FrameInput { slot: frame / 2 % 2, timed: frame % 2 == 0, ..theirs.input() };
-                    engine.frame(view, &input).unwrap();
+                    let input = FrameInput { slot: frame / 2 % 2, timed: frame % 2 == 0, ..gbuffer.input() };
+                    engine.frame(reflections, &input).unwrap();
                     frames += 1;
                 }
             }

@@ -19,8 +19,8 @@ fn texel(scene: &Scene, impostor: &Impostor, x: u32, y: u32) -> (Vec3, u8) {
 }
 
 /// Compares an impostor's image with the colours that rays find, which start `reach` metres in front of its rectangle.
-/// Returns the mean difference, and the share of the rays that find nothing although the image is opaque. `mirrored`
-/// reads the image from right to left.
+/// Returns the mean difference of linear channels, and the share of the rays that find nothing although the image is
+/// opaque. If `mirrored` is true, the image is read from right to left.
 fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) -> (f32, f32) {
     let texture = &world.scene.textures[impostor.texture];
     // The direction is slightly askew, so that no ray runs along a box or a plane that is parallel to an axis.
@@ -75,11 +75,11 @@ fn impostors_show_what_stands_there() {
             assert!((texture.width as f32 / texture.height as f32 / ratio - 1.0).abs() < 0.03, "{impostor:?}");
             // Rays start in front of parts that stand out of the rectangle: the side of a car, the sills of a front.
             let reach = if impostor.name == "car" { 1.2 } else { 0.4 };
-            let (wrong, missed) = difference(&world, impostor, reach, false);
+            let (error, missed) = difference(&world, impostor, reach, false);
             let (mirrored, _) = difference(&world, impostor, reach, true);
-            println!("{name} {}: {wrong:.4}, missed {missed:.3}, mirrored {mirrored:.4}", impostor.name);
-            assert!(wrong < 0.05 && missed < 0.02, "{name} {}: {wrong}, missed {missed}", impostor.name);
-            assert!(mirrored > 1.3 * wrong, "{name} {}: {mirrored} mirrored, {wrong} not", impostor.name);
+            println!("{name} {}: {error:.4}, missed {missed:.3}, mirrored {mirrored:.4}", impostor.name);
+            assert!(error < 0.05 && missed < 0.02, "{name} {}: {error}, missed {missed}", impostor.name);
+            assert!(mirrored > 1.3 * error, "{name} {}: {mirrored} mirrored, {error} not", impostor.name);
         }
     }
 }

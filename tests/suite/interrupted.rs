@@ -23,20 +23,20 @@ const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "34x19", "--me
 const ERROR: [&str; 10] =
     ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--method", "ssct"];
 
-/// Returns the command that runs the program with some arguments and its output in pipes.
+/// Returns the command that runs the program with `args`, then `more`, and with its output in pipes.
 fn command(args: &[&str], more: &[&str]) -> Command {
     let mut command = Command::new(SSCT);
     command.args(args).args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 
-/// Runs the program to its end. Returns the exit status and standard error.
+/// Runs the program with `args`, then `more`, to its end. Returns the exit status and standard error.
 fn run(args: &[&str], more: &[&str]) -> (Option<i32>, String) {
     ended(command(args, more).output().unwrap())
 }
 
-/// Returns the exit status and standard error of a run that ended. Panics on a panic of the run, or on more than one
-/// line beside the notice about methods that are left out.
+/// Returns the exit status and standard error of a run that ended. Panics if the run panicked, or if it printed more
+/// than one line of errors. Notices are not counted.
 fn ended(output: Output) -> (Option<i32>, String) {
     let errors = String::from_utf8(output.stderr).unwrap();
     let lines = errors.lines().filter(|line| !is_notice(line));
@@ -59,7 +59,7 @@ fn journal(folder: &Path) -> Vec<String> {
 }
 
 /// Waits until the journal of a folder has at least `lines` lines.
-fn measures(folder: &Path, lines: usize) {
+fn wait_for_lines(folder: &Path, lines: usize) {
     wait_until(|| format!("a run that should write {lines} lines"), || journal(folder).len() >= lines);
 }
 
@@ -67,7 +67,7 @@ fn measures(folder: &Path, lines: usize) {
 /// its end.
 fn start(args: &[&str], more: &[&str], folder: &Path, lines: usize) -> Child {
     let child = command(args, more).spawn().unwrap();
-    measures(folder, lines);
+    wait_for_lines(folder, lines);
     signal(&child, "STOP");
     child
 }
@@ -82,10 +82,10 @@ fn stop(child: Child, name: &str) -> (Option<i32>, String) {
 /// Returns the keys of a journal's entries, and checks that no key occurs twice.
 fn keys(lines: &[String]) -> HashSet<String> {
     let entries = lines.iter().map(|l| serde_json::from_str::<Value>(l).unwrap());
-    let all: Vec<String> = entries.filter_map(|e| e["key"].as_str().map(str::to_owned)).collect();
-    let once: HashSet<String> = all.iter().cloned().collect();
-    assert_eq!(once.len(), all.len(), "something was measured twice");
-    once
+    let listed: Vec<String> = entries.filter_map(|e| e["key"].as_str().map(str::to_owned)).collect();
+    let unique: HashSet<String> = listed.iter().cloned().collect();
+    assert_eq!(unique.len(), listed.len(), "something was measured twice");
+    unique
 }
 
 /// Returns the records of a file.
@@ -110,7 +110,7 @@ fn times_survive_a_kill_and_a_signal() {
     assert!(message.contains("another run is writing into"), "{message}");
     let halted = journal(&out).len();
     signal(&killed, "CONT");
-    measures(&out, halted + 1);
+    wait_for_lines(&out, halted + 1);
     signal(&killed, "KILL");
     killed.wait().unwrap();
     let first = journal(&out);
@@ -127,9 +127,9 @@ fn times_survive_a_kill_and_a_signal() {
     assert!(message.contains("stopped by SIGINT") && message.contains("--resume"), "{message}");
     let second = journal(&out);
     assert!(second.len() < 2 * samples + 2 && second[..first.len()] == first, "nothing is lost");
-    let counted: u64 = records(out.join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
+    let timed: u64 = records(out.join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
     // For each of the two methods, the journal's first entry is a frame whose work is counted, not timed.
-    assert_eq!(counted + 2, second.len() as u64, "what was measured is written");
+    assert_eq!(timed + 2, second.len() as u64, "what was measured is written");
 
     assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
     let third = journal(&out);
@@ -175,9 +175,10 @@ fn cells_of_the_error_study_survive_too() {
     assert_eq!(roughness.len(), 6);
 }
 
-/// Checks that a measurement ends at any of its questions whether to go on, if the answer is an error.
+/// Checks that a measurement ends with an error as soon as it asks whether to go on and the answer is an error.
+/// `measure` gets the function that it asks between its steps.
 fn check_questions(mut measure: impl FnMut(&mut dyn FnMut() -> Result<()>) -> Result<()>) {
-    // Answers so many questions by yes. Returns how many were asked, and whether the measurement came to its end.
+    // Answers the first `yes` questions by yes. Returns how many were asked, and whether the measurement succeeded.
     let mut questions = |yes: usize| {
         let mut asked = 0;
         let outcome = measure(&mut || {
@@ -186,9 +187,9 @@ fn check_questions(mut measure: impl FnMut(&mut dyn FnMut() -> Result<()>) -> Re
         });
         (asked, outcome.is_ok())
     };
-    let (all, is_done) = questions(usize::MAX);
-    assert!(is_done && all > 7, "{all}");
-    for yes in [0, 1, all / 2, all - 1] {
+    let (most, is_done) = questions(usize::MAX);
+    assert!(is_done && most > 7, "{most}");
+    for yes in [0, 1, most / 2, most - 1] {
         assert_eq!(questions(yes), (yes + 1, false));
     }
 }
@@ -226,9 +227,10 @@ fn a_lost_device_leaves_what_was_measured() {
     assert_eq!(status, Some(1), "{message}");
     assert!(message.contains("device has been lost"), "{message}");
     let first = journal(folder.path());
-    let counted: u64 =
+    let timed: u64 =
         records(folder.path().join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
-    assert!(first.len() > 10 && counted + 2 == first.len() as u64, "{counted} of {}", first.len());
+    // Each of the two methods also has an entry for a frame that is not timed.
+    assert!(first.len() > 10 && timed + 2 == first.len() as u64, "{timed} of {}", first.len());
     let (status, message) = faulty("allocation:60");
     assert_eq!(status, Some(1), "{message}");
     assert!(message.starts_with("ssct: Vulkan: "), "{message}");
@@ -252,7 +254,7 @@ fn no_room_and_no_right_to_write_are_sentences() {
         assert_eq!(status, Some(1), "{args:?} {out}: {message}");
         assert!(message.contains("cannot create the folder") && message.contains(&out), "{message}");
     }
-    // A limit of one kilobyte for files, which also holds for the superuser.
+    // Files may have one kilobyte, two blocks of 512 bytes. This limit holds for the superuser, too.
     let run_limited = |args: &str| {
         let line = format!("trap '' XFSZ; ulimit -f 2; exec {SSCT} {args}");
         ended(Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap())

@@ -81,13 +81,14 @@ fn with_layers(extent: [u32; 2], layers: u32) -> Setup {
     unfaded(extent).with(|p: &mut LayerParams| p.layers = layers)
 }
 
-/// Returns, for each pixel, the point at which its mirror ray meets the panel, or none if it does not.
+/// Returns, for each pixel, the point in the world at which its mirror ray meets the panel, or `None` if it does not.
 fn on_panel(data: &GBufferData) -> Vec<Option<Vec3>> {
     let to_view = data.view_to_clip().inverse();
     let to_world = data.camera.world_to_view.as_dmat4().inverse();
     let panel_point = |i: usize| {
         let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
         let place = to_world.transform_point3(data.unproject(x, y, f64::from(data.depth[i]), &to_view)).as_vec3();
+        // The mirror faces along x, so that it turns the ray's x round.
         let direction = (place - EYE) * Vec3::new(-1.0, 1.0, 1.0);
         let end = place + direction * ((PANEL_Z - place.z) / direction.z);
         (end.x.abs() < PANEL_X).then_some(end)
@@ -107,27 +108,27 @@ fn only_a_second_layer_shows_what_is_behind_a_pillar() {
         let expected = truth.iter().flatten().count();
         assert!(expected > 1000, "{expected} pixels of the mirror show the panel");
         let green = |drawn: &Drawn, wanted: bool| {
-            let all = drawn.reflection.texels().zip(&truth);
-            all.filter(|(color, truth)| is_green(color) && truth.is_some() == wanted).count()
+            let texels = drawn.reflection.texels().zip(&truth);
+            texels.filter(|(color, truth)| is_green(color) && truth.is_some() == wanted).count()
         };
-        let placed = two.ends.iter().zip(&truth).filter(|(end, truth)| match (end, truth) {
+        let in_place = two.ends.iter().zip(&truth).filter(|(end, truth)| match (end, truth) {
             (RayEnd::Place(end), Some(truth)) => end.as_vec3().distance(*truth) < 0.15,
             _ => false,
         });
-        let (shown, wrong, placed) = (green(&two, true), green(&two, false), placed.count());
-        println!("{method}: {shown} of {expected} shown, {placed} in place, {wrong} wrong");
+        let (shown, wrong, in_place) = (green(&two, true), green(&two, false), in_place.count());
+        println!("{method}: {shown} of {expected} shown, {in_place} in place, {wrong} wrong");
         assert_eq!(green(&one, true) + green(&one, false), 0, "{method}: one layer shows the panel");
         assert!(shown as f64 > 0.9 * expected as f64, "{method}: {shown} of {expected}");
         // Schmidt's surfaces are half a metre thick here, and in listing 5 they reach a metre before and behind. Rays
         // that pass the edge of the panel thus meet it: a tenth of its width at each end.
-        let most = match method {
+        let most_wrong = match method {
             "ssr" => 0.05,
             "ssr-fast" => 0.1,
             _ => 0.0,
         };
-        assert!(wrong as f64 <= most * expected as f64, "{method}: {wrong} beside {expected}");
+        assert!(wrong as f64 <= most_wrong * expected as f64, "{method}: {wrong} beside {expected}");
         if ["poster", "dda"].contains(&method) {
-            assert!(placed as f64 > 0.95 * expected as f64, "{method}: {placed} of {expected} in place");
+            assert!(in_place as f64 > 0.95 * expected as f64, "{method}: {in_place} of {expected} in place");
         }
     }
 }
@@ -156,8 +157,7 @@ fn a_second_layer_is_drawn_where_it_is_asked_for_and_nowhere_else() {
 #[test]
 fn a_layer_farther_behind_than_the_scene_reaches_is_empty() {
     let far = with_layers(EXTENT, 2).with(|p: &mut LayerParams| p.layer_separation = 1e6);
-    let drawn = draw("dda", &far);
-    assert!(!drawn.reflection.texels().any(is_green));
+    assert!(!draw("dda", &far).reflection.texels().any(is_green));
     // The panel is 3.9 m behind the pillar, and the separation 5 cm less.
     let near = with_layers(EXTENT, 2).with(|p: &mut LayerParams| p.layer_separation = PANEL_Z - 2.0 - 0.05);
     assert!(draw("dda", &near).reflection.texels().any(is_green));
@@ -201,9 +201,9 @@ fn what_has_no_second_layer_says_so() {
         folder.succeed(&[&args[..6], &["1", "-o", "image.png"]].concat());
     }
     refused(&["render", "--method", "ssct", "--layers", "2", "-o", "image.png"], "layers is no parameter of ssct");
-    let reads: Vec<_> =
+    let with_parameter: Vec<_> =
         METHODS.iter().filter(|m| m.read_parameters().iter().any(|p| p.name == "layers")).map(|m| m.name).collect();
-    assert_eq!(reads, METHODS_WITH_LAYERS);
+    assert_eq!(with_parameter, METHODS_WITH_LAYERS);
     let layers = LayerParams::table().into_iter().find(|p| p.name == "layers").unwrap();
     assert_eq!(layers.published, Value::Count(1));
 }

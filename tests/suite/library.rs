@@ -12,7 +12,7 @@ struct Measured<'a> {
     ssct_ms: f64,
     unified_ms: f64,
     rmse: f64,
-    /// The spread of the times of frames, as a share of the time.
+    /// The nine times of the pass `trace` differ by steps of this share of their median.
     noise: f64,
 }
 
@@ -194,13 +194,13 @@ fn every_run_of_the_repository_is_read() {
     assert!(page.contains("RMSE against the world reference") && page.contains("time in the error study over ssct"));
 }
 
-/// Returns the cells of each row of a table that the page's script made.
-fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
-    let part = dom.split(&format!("id=\"{id}\"")).nth(1).and_then(|s| s.split("</tbody>").next()).unwrap_or_default();
-    let body = part.split("<tbody>").nth(1).unwrap_or_default();
+/// Returns the cells of each row of the table with an id, which the page's script made.
+fn table_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
+    let table = dom.split(&format!("id=\"{id}\"")).nth(1).and_then(|s| s.split("</tbody>").next()).unwrap_or_default();
+    let body = table.split("<tbody>").nth(1).unwrap_or_default();
     let cells = |row: &str| {
-        let ends = row.replace("</th>", "</td>").replace("<th>", "<td>");
-        ends.split("<td>").skip(1).map(|c| c.split("</td>").next().unwrap().to_owned()).collect()
+        let plain = row.replace("</th>", "</td>").replace("<th>", "<td>");
+        plain.split("<td>").skip(1).map(|c| c.split("</td>").next().unwrap().to_owned()).collect()
     };
     body.split("<tr>").skip(1).map(cells).collect()
 }
@@ -212,7 +212,7 @@ fn the_page_says_of_two_runs_what_compare_says() {
     let folder = library();
     folder.succeed(&["index", "all"]);
     let Some(dom) = dom(&folder, "all/index.html") else { return };
-    let rows = made_rows(&dom, "compared-times");
+    let rows = table_rows(&dom, "compared-times");
     let records: Vec<Value> =
         serde_json::from_str(&folder.succeed(&["compare", "all/2026-11-20-a", "all/2026-11-22-c", "--json"])).unwrap();
     let is_total = |r: &&Value| r["pass"] == "total";
@@ -227,9 +227,10 @@ fn the_page_says_of_two_runs_what_compare_says() {
         })
         .collect();
     assert_eq!(expected.len(), 2);
+    // The first six cells of a row say what was timed, from the view to the pass.
     assert_eq!(rows.iter().map(|row| row[6..].to_vec()).collect::<Vec<_>>(), expected, "{dom}");
     assert_eq!(rows[1][..5], ["rooms hall", "64x36", "0.1", "own", "unified"]);
-    let [error] = &made_rows(&dom, "compared-errors")[..] else { panic!("one error: {dom}") };
+    let [error] = &table_rows(&dom, "compared-errors")[..] else { panic!("one error: {dom}") };
     assert_eq!(error[1..], ["unified", "RMSE against the world reference", "0.020000", "0.030000", "1.5000"]);
 }
 

@@ -11,8 +11,8 @@ fn records(folder: &Folder, arguments: &[&str]) -> Vec<Value> {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Sizes, methods, roughnesses and variants that are named twice, also in another spelling, are measured once. Twice
-/// the same key would confuse the journal.
+/// Sizes, methods, roughnesses and variants that are named twice, also in another spelling, are measured once. A
+/// key that occurs twice would confuse the journal.
 #[test]
 fn a_value_that_a_list_names_twice_counts_once() {
     let folder = Folder::new();

@@ -16,8 +16,8 @@ fn albedo(n: u32) -> Vec3 {
     Vec3::new((n % 16) as f32 / 15.0, (n / 16 % 16) as f32 / 15.0, (n / 256) as f32 / 15.0)
 }
 
-/// Returns the texts of an OBJ and an MTL file: quads in columns and rows at a depth z, each with a material of its
-/// own. They fill the picture of a camera at the origin that looks along z.
+/// Returns the texts of an OBJ and an MTL file: quads in columns and rows, each with a material of its own. Together
+/// they fill a rectangle around the z axis, whose half sides and z are in metres. Quad 0 is at the bottom left.
 fn mosaic([columns, rows]: [u32; 2], [half_width, half_height]: [f32; 2], z: f32) -> [String; 2] {
     let (mut mesh, mut materials) = ("mtllib a.mtl\n".to_owned(), String::new());
     for n in 0..columns * rows {
@@ -39,8 +39,8 @@ fn three_thousand_materials_are_drawn() {
     // Each material has a uniform block of its own; together they need more than one chunk of the frame's uniform
     // memory.
     let (grid, extent, z) = ([60, 50], [240, 200], 10.0);
-    let seen = camera(Vec3::ZERO, Vec3::Z, extent);
-    let half_height = 0.5 * seen.lens.height_at_m(z);
+    let view = camera(Vec3::ZERO, Vec3::Z, extent);
+    let half_height = 0.5 * view.lens.height_at_m(z);
     let folder = tempfile::tempdir().unwrap();
     let [mesh, materials] = mosaic(grid, [half_height * 1.2, half_height], z);
     for (name, text) in [("a.obj", mesh), ("a.mtl", materials)] {
@@ -51,7 +51,7 @@ fn three_thousand_materials_are_drawn() {
     assert_eq!([scene.materials.len(), scene.meshes.len()], [3000, 3000]);
     scene.lights = vec![Light::Directional { direction: Vec3::Z, energy: 1.0 }];
     let globals = Globals { reflectivity: 0.0, ..Globals::default() };
-    let shown = show(&gpu(), &scene, seen, "ssct", &Setup::new(extent), &globals);
+    let shown = show(&gpu(), &scene, view, "ssct", &Setup::new(extent), &globals);
     assert_eq!(shown.image.drawn.meshes, 3000);
     for n in 0..3000 {
         // The pixel is in the middle of the quad's 4 × 4 pixels; rows of the picture run from the top.
@@ -80,9 +80,9 @@ fn three_hundred_materials_are_mirrored_at_eight_planes() {
         b.quad(mirror, Vec3::new(x, -1.0, 2.0), Vec3::X * 2.0, up, Vec3::new(0.0, tilt.cos(), -tilt.sin()));
     }
     let extent = [66, 37];
-    let seen = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.0, 6.0), extent);
+    let view = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.0, 6.0), extent);
     let setup = Setup::new(extent).with(|p: &mut PlanarParams| p.planar_planes = 8);
-    let shown = show(&gpu(), &b.0, seen, "planar", &setup, &Globals::default());
+    let shown = show(&gpu(), &b.0, view, "planar", &setup, &Globals::default());
     let mirrored = shown.image.report.recorded.iter().filter(|pass| *pass == "mirrored g-buffer").count();
     assert_eq!(mirrored, 8, "{:?}", shown.image.report.recorded);
 }

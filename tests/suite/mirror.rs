@@ -75,8 +75,8 @@ fn reflecting(shown: &Shown) -> impl Iterator<Item = (u32, u32, DVec2)> {
     })
 }
 
-/// Returns the mirror ray of a pixel in view space: its start on the plane through `point` with a normal, and its
-/// direction.
+/// Returns the mirror ray of a pixel in view space: its start on the mirror's plane, and its direction. The plane is
+/// given by a point and its unit normal, both in view space, and the pixel by texture coordinates.
 fn mirror_ray(shown: &Shown, uv: DVec2, point: DVec3, normal: DVec3) -> (DVec3, DVec3) {
     let inverse = shown.camera.view_to_clip().as_dmat4().inverse();
     let direction = unproject(uv.extend(0.5), &inverse).normalize();
@@ -84,7 +84,7 @@ fn mirror_ray(shown: &Shown, uv: DVec2, point: DVec3, normal: DVec3) -> (DVec3, 
     (position, direction - normal * 2.0 * direction.dot(normal))
 }
 
-/// Returns the texture coordinates of a point in view space, or none if the screen does not show it.
+/// Returns the texture coordinates of a point in view space, or `None` if it lies behind the camera or off the screen.
 fn on_screen(shown: &Shown, view: DVec3) -> Option<DVec2> {
     let uv = project(view, &shown.camera.view_to_clip().as_dmat4()).truncate();
     (view.z > 0.0 && uv.cmpge(DVec2::ZERO).all() && uv.cmple(DVec2::ONE).all()).then_some(uv)

@@ -45,7 +45,7 @@ fn rooms_with(placement: &Placement) -> Scene {
 }
 
 /// Returns the reflection in rooms that were loaded with the ball in its new place.
-fn made_anew(gpu: &Gpu, placement: &Placement, method: (&MethodInfo, &Setup)) -> Pixels {
+fn loaded_there(gpu: &Gpu, placement: &Placement, method: (&MethodInfo, &Setup)) -> Pixels {
     let scene = rooms_with(placement);
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let shot = shot(&mut stage, &scene, method);
@@ -75,7 +75,7 @@ fn what_moves_is_reflected_as_in_a_scene_that_is_made_so() {
         for (n, placement) in places.iter().enumerate() {
             stage.scene_mut().place_meshes(MOVING, *placement).unwrap();
             let (_, moved) = draw(&mut stage, &shot);
-            let truth = made_anew(&gpu, placement, (method, setup));
+            let truth = loaded_there(&gpu, placement, (method, setup));
             let (wrong, changed) = (differing(&moved, &truth), differing(&still, &truth));
             println!("{} at place {n}: {wrong} pixels off of {changed} that changed", method.name);
             // Where the device places the ball, its edges are rounded otherwise.
@@ -96,26 +96,29 @@ fn walks_have_room_for_whatever_moves() {
         let mut meshes: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
         meshes.sort_unstable();
         meshes.dedup();
-        let all: Vec<_> = meshes.iter().map(|mesh| (*mesh, Placement::HERE)).collect();
-        for placed in all.iter().map(std::slice::from_ref).chain([&all[..]]) {
+        let placements: Vec<_> = meshes.iter().map(|mesh| (*mesh, Placement::HERE)).collect();
+        for placed in placements.iter().map(std::slice::from_ref).chain([&placements[..]]) {
             let levels = trees.moving(placed).unwrap().tree.levels;
             assert!(levels <= room, "{name}: {levels} levels of {} meshes, and room for {room}", placed.len());
         }
     }
 }
 
-/// Counts how often trees are built: of the meshes that stand, and of the meshes that move.
-struct Counting(Trees, Rc<[Cell<usize>; 2]>);
+/// Builds trees, and counts how often: those of the meshes that stand, and those of the meshes that move.
+struct Counting {
+    trees: Trees,
+    counts: Rc<[Cell<usize>; 2]>,
+}
 
 impl BuildTrees for Counting {
     fn standing(&self, moving: &[&str]) -> Result<(Tree, TriangleRecords)> {
-        self.1[0].update(|n| n + 1);
-        self.0.standing(moving)
+        self.counts[0].update(|n| n + 1);
+        self.trees.standing(moving)
     }
 
     fn moving(&self, placed: &[(&str, Placement)]) -> Result<MovingTriangles> {
-        self.1[1].update(|n| n + 1);
-        self.0.moving(placed)
+        self.counts[1].update(|n| n + 1);
+        self.trees.moving(placed)
     }
 }
 
@@ -126,18 +129,20 @@ fn only_what_moves_is_built_anew_and_only_when_it_moves() {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let built = Rc::new([const { Cell::new(0) }; 2]);
-    stage.scene_mut().set_tree_builder(Counting(Trees::new(&scene), Rc::clone(&built)));
+    let counts = Rc::new([const { Cell::new(0) }; 2]);
+    stage.scene_mut().set_tree_builder(Counting { trees: Trees::new(&scene), counts: Rc::clone(&counts) });
     let shot = shot(&mut stage, &scene, (traced(), &Setup::new(EXTENT)));
+    // Draws a frame with the ball at an offset along x in metres. Returns the numbers of built trees, and the passes of
+    // moving meshes, with whether they count.
     let mut frame = |offset: f32| {
-        built.iter().for_each(|n| n.set(0));
+        counts.iter().for_each(|n| n.set(0));
         stage.scene_mut().place_meshes(MOVING, Vec3::X * offset).unwrap();
         let (report, _) = draw(&mut stage, &shot);
         let passes: Vec<String> = report.passes.iter().map(|p| p.name.clone()).collect();
         assert_eq!(passes, report.recorded);
         let moving_passes = report.passes.iter().filter(|p| p.name.starts_with("moving"));
         let moving_passes: Vec<_> = moving_passes.map(|p| (p.name.clone(), p.counted)).collect();
-        ([built[0].get(), built[1].get()], moving_passes)
+        ([counts[0].get(), counts[1].get()], moving_passes)
     };
     let nothing = ([0, 0], Vec::new());
     // The trees were built with the shot.

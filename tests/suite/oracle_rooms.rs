@@ -86,7 +86,7 @@ fn hierarchy_and_oracle_agree_in_every_reflecting_pixel() {
     gpu.check_validation().unwrap();
 }
 
-/// Returns the agreement of a method with the oracle on a view, and prints a row of the table.
+/// Returns the agreement of a method with the oracle on a view at 960×540 pixels, and prints a row of the table.
 fn agreement(gpu: &Gpu, scene: &Scene, view: &str, method: &str) -> HitAgreement {
     let Rendered { gbuffer: data, hits, .. } = render(gpu, scene, view, [960, 540], method, 0.0);
     let hierarchy = Hierarchy::new(&data);
@@ -156,7 +156,7 @@ fn every_view_with_gloss() {
 }
 
 /// Returns the scene with the normals of its triangles instead of smooth ones; docs/numerics.md, "Hits", calls them
-/// geometric. With the smooth normals of the head on the table, two views lie 0.4 and 0.5 % lower.
+/// geometric. With the smooth normals of the head on the table, the agreement is 0.4 and 0.5 % lower in two views.
 fn with_face_normals(mut scene: Scene) -> Scene {
     for mesh in &mut scene.meshes {
         let corners: Vec<_> = mesh.indices.iter().map(|i| mesh.vertices[*i as usize]).collect();
@@ -194,10 +194,10 @@ fn the_oracle_agrees_with_the_world_as_much_as_was_measured_elsewhere() {
         view.eye.y = -0.6;
     }
     let gpu = gpu();
-    let materials = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(0.0) };
+    let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(0.0) };
     for (view, expected) in WORLD_AGREEMENT {
         let data = render(&gpu, &scene, view, [960, 540], "hzct", 0.0).gbuffer;
-        let materials = materials.materials(&scene, scene.view(view).unwrap());
+        let materials = globals.materials(&scene, scene.view(view).unwrap());
         let world = World::new(&scene, &materials);
         let hits = world_hits(&world, &data, &FirstHits::shown(&world, &data));
         let visible: Vec<_> = hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();

@@ -58,6 +58,7 @@ fn views() -> Vec<(Scene, View)> {
 fn off_axis(camera: Camera) -> Camera {
     let clip = camera.view_to_clip_reversed();
     let kind = camera.kind();
+    // The order of the two numbers depends on the kind (`Projection::depth`).
     let depth = match kind {
         ProjectionKind::Perspective => [clip.z_axis.z, clip.w_axis.z],
         ProjectionKind::Orthographic => [clip.w_axis.z, clip.z_axis.z],
@@ -82,15 +83,17 @@ fn seen(gpu: &Gpu, scene: &Scene, camera: Camera, globals: &Globals, extent: [u3
 #[test]
 fn unified_hits_what_the_oracle_says() {
     let gpu = gpu();
-    let take = if is_gpu_assisted() { 1 } else { usize::MAX };
-    for (scene, view) in views().iter().take(take) {
+    // GPU-assisted validation is slow, so that one view must do.
+    let most_views = if is_gpu_assisted() { 1 } else { usize::MAX };
+    for (scene, view) in views().iter().take(most_views) {
         let mut stage = Stage::new(&gpu, scene).unwrap();
         for (extent, moved) in [([321, 239], false), ([480, 270], true)] {
             let camera = view.camera(scene, extent);
             let camera = if moved { off_axis(camera) } else { camera };
             for oracle in [OracleVersion::V1, OracleVersion::V2] {
-                let seen = (camera, on_screen::flat_mirrors(scene, view));
-                let (found, reasons, unfinished) = on_screen::agreement(&mut stage, seen, extent, oracle);
+                let camera_and_materials = (camera, on_screen::flat_mirrors(scene, view));
+                let (found, reasons, unfinished) =
+                    on_screen::agreement(&mut stage, camera_and_materials, extent, oracle);
                 let share = found.hit_agreement.expect("something reflects");
                 let (pixels, missed) = (found.pixels, found.missed.unwrap_or(0.0));
                 println!(
@@ -116,8 +119,9 @@ fn an_off_axis_perspective_hits_what_the_oracle_says() {
     let view = scene.view("corridor").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let extent = [321, 239];
-    let seen = (off_axis(view.camera(&scene, extent)), on_screen::flat_mirrors(&scene, view));
-    let (found, reasons, unfinished) = on_screen::agreement(&mut stage, seen, extent, OracleVersion::V1);
+    let camera_and_materials = (off_axis(view.camera(&scene, extent)), on_screen::flat_mirrors(&scene, view));
+    let (found, reasons, unfinished) =
+        on_screen::agreement(&mut stage, camera_and_materials, extent, OracleVersion::V1);
     assert!(found.hit_agreement.unwrap() >= 0.9999 && reasons >= 0.999 && unfinished == 0, "{found:?}");
     check_validation(&gpu).unwrap();
 }
@@ -133,14 +137,14 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     let sizes = [[1, 1], [53, 1], [5, 3], [65, 127], [321, 239]];
     for extent in sizes.into_iter().take(if is_gpu_assisted() { 3 } else { usize::MAX }) {
         let camera = view.camera(&scene, extent);
-        let mut all: Vec<GBufferData> = (0..4).map(|kind| on_screen::random_gbuffer(kind, extent)).collect();
-        all.iter_mut().for_each(|data| data.camera = camera);
-        all.push(seen(&gpu, &scene, camera, &mirrors, extent));
+        let mut parallel: Vec<GBufferData> = (0..4).map(|kind| on_screen::random_gbuffer(kind, extent)).collect();
+        parallel.iter_mut().for_each(|data| data.camera = camera);
+        parallel.push(seen(&gpu, &scene, camera, &mirrors, extent));
         let moved: Vec<GBufferData> =
-            all.iter().map(|data| GBufferData { camera: off_axis(camera), ..data.clone() }).collect();
-        let aside = on_screen::random_gbuffer(0, extent);
-        let perspective = GBufferData { camera: off_axis(aside.camera), ..aside };
-        for data in all.iter().chain(&moved).chain([&perspective]) {
+            parallel.iter().map(|data| GBufferData { camera: off_axis(camera), ..data.clone() }).collect();
+        let random = on_screen::random_gbuffer(0, extent);
+        let perspective = GBufferData { camera: off_axis(random.camera), ..random };
+        for data in parallel.iter().chain(&moved).chain([&perspective]) {
             for oracle in [OracleVersion::V1, OracleVersion::V2] {
                 let counts = on_screen::check_twin(&gpu, data, oracle);
                 totals = [0, 1, 2].map(|i| totals[i] + counts[i]);
@@ -148,7 +152,8 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         }
     }
     println!("pixels, hits and blocks met from behind: {totals:?}, 0 ULP");
-    assert!(totals[1] > totals[0] / 10 && totals[2] > 0, "{totals:?}");
+    let [pixels, hits, met_from_behind] = totals;
+    assert!(hits > pixels / 10 && met_from_behind > 0, "{totals:?}");
     check_validation(&gpu).unwrap();
 }
 
@@ -241,8 +246,8 @@ fn added(image: &Pixels) -> Vec<Vec3> {
 
 /// Returns the mean of the added colours, as a sum of three channels.
 fn brightness(image: &Pixels) -> f32 {
-    let all = added(image);
-    all.iter().map(|c| c.element_sum()).sum::<f32>() / all.len() as f32
+    let colors = added(image);
+    colors.iter().map(|c| c.element_sum()).sum::<f32>() / colors.len() as f32
 }
 
 /// With an orthographic camera, a history keeps the mean brightness within 5 % and half resolution within 35 %. A
@@ -250,21 +255,22 @@ fn brightness(image: &Pixels) -> f32 {
 #[test]
 fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
     let gpu = gpu();
-    let seen = clutter_from_above();
+    let clutter_view = clutter_from_above();
     for roughness in [0.0, 0.1, 0.4] {
-        let image = |change: fn(&mut EffectParams)| reflection(&gpu, &seen, ("unified", roughness), change);
+        let image = |change: fn(&mut EffectParams)| reflection(&gpu, &clutter_view, ("unified", roughness), change);
         let plain = image(|_| ());
         let history = image(|p| p.history = HistoryUse::On);
         let half = image(|p| p.resolution_scale = 0.5);
         let brightnesses = [&plain, &history, &half].map(brightness);
+        let [of_history, of_half] = [brightnesses[1], brightnesses[2]].map(|b| b / brightnesses[0]);
         let pairs = added(&plain).into_iter().zip(added(&history));
         let greatest_difference = pairs.map(|(a, b)| (a - b).abs().max_element()).fold(0.0, f32::max);
         println!("roughness {roughness}: plain, history, half: {brightnesses:?}; {greatest_difference} apart");
         assert!(brightnesses[0] > 0.02, "it shows something: {brightnesses:?}");
-        assert!((brightnesses[1] / brightnesses[0] - 1.0).abs() < 0.05, "{brightnesses:?}");
+        assert!((of_history - 1.0).abs() < 0.05, "{brightnesses:?}");
         // Blocks of larger pixels are thicker, so that more rays hit. In perspective, mirrors at this place are a third
         // brighter.
-        assert!((brightnesses[2] / brightnesses[0] - 1.0).abs() < 0.35, "{brightnesses:?}");
+        assert!((of_half - 1.0).abs() < 0.35, "{brightnesses:?}");
         // A camera at rest finds each point where it was; the one ray of a mirror is the same in all frames.
         assert!(roughness > 0.0 || greatest_difference < 2e-3, "{greatest_difference}");
     }
@@ -277,10 +283,11 @@ fn what_surrounds_a_method_takes_parallel_lines_of_sight() {
 #[test]
 fn captures_and_cube_maps_take_parallel_lines_of_sight() {
     let gpu = gpu();
-    let mut seen = clutter_from_above();
-    seen.0.captures = [[0.0, 6.0, 4.0], [0.0, 4.0, 14.0]].map(|place| Capture::placed_at(place.into())).to_vec();
+    let (mut scene, view) = clutter_from_above();
+    scene.captures = [[0.0, 6.0, 4.0], [0.0, 4.0, 14.0]].map(|place| Capture::placed_at(place.into())).to_vec();
+    let clutter_view = (scene, view);
     let brightness_of =
-        |method, change: fn(&mut EffectParams)| brightness(&reflection(&gpu, &seen, (method, 0.0), change));
+        |method, change: fn(&mut EffectParams)| brightness(&reflection(&gpu, &clutter_view, (method, 0.0), change));
     let truth = brightness_of("traced", |_| ());
     let captures = brightness_of("captures", |p| p.captures = CaptureCount::Auto);
     let behind = brightness_of("unified", |p| (p.fallback, p.captures) = (Fallback::Captures, CaptureCount::Auto));
@@ -322,7 +329,6 @@ fn methods_that_need_a_perspective_say_so() {
     }
     assert_eq!(taken, ["local-map", "pccm", "environment", "captures", "traced", "unified"]);
     assert_eq!(refused + taken.len(), METHODS.len());
-    // An effect that was made for a perspective refuses an orthographic camera.
     let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
     let effect = Effect::new(&mut context, &unified::INFO, &Setup::on_screen([32, 32]), Wants::IMAGE, None).unwrap();
     let data = seen(&gpu, &scene, view.camera(&scene, [32, 32]), &Globals::default(), [32, 32]);
@@ -338,10 +344,9 @@ fn methods_that_need_a_perspective_say_so() {
 fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     let folder = Folder::new();
     folder.write_boards(".", &["ahead", "again"]);
-    let (eye, beside) = ("1,0,-3", "1,-0.5,0");
-    let aimed = ["--eye", eye, "--look-at", beside];
+    let aimed = ["--eye", "1,0,-3", "--look-at", "1,-0.5,0"];
     let scene = ["--scene", "boards.scene.toml", "--size", "16x16"];
-    let few = [&scene[..], &["--roughness", "0", "--capture-side", "128", "--json"]].concat();
+    let options = [&scene[..], &["--roughness", "0", "--capture-side", "128", "--json"]].concat();
     for (command, taken) in [
         ([&["time", "--samples", "1", "--warmup", "0"], &aimed[..]].concat(), 6),
         ([&["error", "--no-sweep", "--samples", "1", "--rays", "2"], &aimed[..]].concat(), 6),
@@ -352,7 +357,7 @@ fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
     ] {
         // A study of precision has no scene behind its G-buffers, and takes no captures.
         let captures = if command[0] == "precision" { &[][..] } else { &["--captures", "1"] };
-        let output = folder.run(&[&command[..], &few, captures, &["--orthographic-height", "3"]].concat());
+        let output = folder.run(&[&command[..], &options, captures, &["--orthographic-height", "3"]].concat());
         let message = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{command:?}: {message}");
         let left_out: Vec<&str> = message.lines().filter(|line| line.contains("need a perspective")).collect();
@@ -364,7 +369,7 @@ fn studies_without_named_methods_leave_out_those_that_need_a_perspective() {
         assert!(!names.contains("ssct"), "{command:?}: {names:?}");
     }
     let plain =
-        folder.run(&[&["time", "--samples", "1", "--warmup", "0", "--method", "ssct"], &aimed[..], &few].concat());
+        folder.run(&[&["time", "--samples", "1", "--warmup", "0", "--method", "ssct"], &aimed[..], &options].concat());
     assert!(plain.status.success() && !String::from_utf8_lossy(&plain.stderr).contains("need a perspective"));
 }
 
@@ -442,13 +447,13 @@ fn both_views_of_a_stereo_frame_are_as_each_alone() {
     assert!(rmse(&alone[0], &alone[1]) > 0.01, "the eyes see different things");
     // Two objects of one context record both eyes into one command buffer.
     let context = engine.context();
-    let mut both = [0, 1].map(|eye| Reflections::new(&context, &info(&data[eye], "unified")).unwrap());
+    let mut one_per_eye = [0, 1].map(|eye| Reflections::new(&context, &info(&data[eye], "unified")).unwrap());
     for slot in [0, 1, 0] {
         let commands = engine.begin();
         let recorded = [0, 1].map(|eye| {
             let input = ssct::FrameInput { slot, ..theirs[eye].input() };
             // SAFETY: the command buffer is recording; what is recorded is submitted and waited for below.
-            unsafe { both[eye].record(commands, &input) }.unwrap().composite.unwrap()
+            unsafe { one_per_eye[eye].record(commands, &input) }.unwrap().composite.unwrap()
         });
         engine.submit(commands).unwrap();
         for eye in [0, 1] {

@@ -28,7 +28,7 @@ fn squared_error(record: &Value) -> f64 {
 }
 
 /// Checks in a view of a scene that the error of a method with 8 own rays, over that without, is below the bound of
-/// each roughness.
+/// each roughness. `against` names the reference of the error: `world` or `screen`.
 fn check_gain(method: &str, against: &str, [scene, view]: [&str; 2], bounds: [(f64, f64); 2]) {
     let variants = ["none", "8"].map(|own| format!("{method} --own-rays {own}"));
     let options = ["--size", "160x90", "--samples", "1", "--rays", "16", "--json"];
@@ -38,7 +38,7 @@ fn check_gain(method: &str, against: &str, [scene, view]: [&str; 2], bounds: [(f
         Command::new(env!("CARGO_BIN_EXE_ssct")).args([&subject[..], &variants, &options].concat()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
-    for (roughness, most) in bounds {
+    for (roughness, greatest) in bounds {
         let error = |own: &str| {
             let is_wanted = |r: &&Value| {
                 r["against"] == against
@@ -49,7 +49,7 @@ fn check_gain(method: &str, against: &str, [scene, view]: [&str; 2], bounds: [(f
         };
         let gain = (error("8") / error("none")).sqrt();
         println!("{method}, {scene} {view} at {roughness}: {gain:.2}");
-        assert!(gain < most, "{method}, {scene} {view} at {roughness}: {gain:.3}");
+        assert!(gain < greatest, "{method}, {scene} {view} at {roughness}: {gain:.3}");
     }
 }
 
@@ -84,7 +84,7 @@ fn own(first: FirstTraced, own: OwnRays) -> Setup {
 /// With four own rays, passes of own rays are recorded and change the image; without, and for mirrors, none is
 /// recorded. All colours are finite and no fade is above 1.
 #[test]
-fn only_asked_for() {
+fn own_rays_are_followed_only_if_asked_for() {
     let has = |recorded: &[String], pass: &str| recorded.iter().any(|p| p == pass);
     for (roughness, pass) in [(0.1, "own/narrow"), (0.4, "own/wide")] {
         let (without_own, plain) = draw("hall", roughness, &own(FirstTraced::Screen, OwnRays::None));
@@ -94,6 +94,7 @@ fn only_asked_for() {
         assert!(with_own.values.iter().all(|v| v.is_finite() && *v >= 0.0));
         let on_screen =
             |own| draw("hall", roughness, &Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.own_rays = own));
+        // By default, rays on the screen alone get no own rays.
         let (alone, plain) = on_screen(OwnRays::Auto);
         let (with_own, recorded) = on_screen(OwnRays::Four);
         assert!(has(&recorded, pass) && !has(&plain, pass), "{recorded:?}, {plain:?}");

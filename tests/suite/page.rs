@@ -108,17 +108,17 @@ fn two_copies_of_a_method_have_two_stars_or_none() {
     assert_eq!(stars(&[silent(&record("ssct", 10.0, 0.5)), silent(&record("copy", 10.2, 0.5))]), ["ssct", "copy"]);
 }
 
-/// Each table says how many cells it averages. The oracle's table has mirrors alone, and would else claim as many cells as
-/// the world's.
+/// Each table says how many cells it averages. The oracle's table has mirrors alone, so that one number for all tables
+/// would be wrong.
 #[test]
 fn each_table_of_errors_says_how_many_cells_it_averages() {
     let rough = |roughness| ErrorRecord {
         head: head("error", "ssct", roughness),
         ..error_record("ssct", ErrorReference::World, 10.0, 0.1)
     };
-    let silent = ErrorRecord { time_ms: None, ..rough(0.5) };
+    let untimed = ErrorRecord { time_ms: None, ..rough(0.5) };
     let mirror = |against| error_record("ssct", against, 10.0, 0.1);
-    let records = [mirror(ErrorReference::Oracle), mirror(ErrorReference::World), rough(0.1), rough(0.3), silent];
+    let records = [mirror(ErrorReference::Oracle), mirror(ErrorReference::World), rough(0.1), rough(0.3), untimed];
     let abouts: Vec<String> =
         ErrorRecord::tables(&records, &serde_json::Value::Null).into_iter().map(|table| table.about).collect();
     assert_eq!(abouts.len(), 2);
@@ -197,15 +197,15 @@ fn what_is_prepared_is_plotted_where_it_differs() {
         charts.into_iter().map(|chart| chart.stem).collect::<Vec<_>>()
     };
     let text = |records: &[ErrorRecord]| tables::text(&ErrorRecord::tables(records, &serde_json::Value::Null));
-    let one = [record("unified", 1 << 20, 0.02), record("ssct", 0, 0.08)];
-    assert_eq!(names(&one), ["error-world"], "one size is no plot");
-    assert!(text(&one).contains("prepared MiB"));
-    let two = [record("unified", 1 << 20, 0.02), record("captures", 1 << 22, 0.01), record("ssct", 0, 0.08)];
-    assert_eq!(names(&two), ["error-world", "error-world-bytes"]);
+    let one_size = [record("unified", 1 << 20, 0.02), record("ssct", 0, 0.08)];
+    assert_eq!(names(&one_size), ["error-world"], "one size is no plot");
+    assert!(text(&one_size).contains("prepared MiB"));
+    let two_sizes = [record("unified", 1 << 20, 0.02), record("captures", 1 << 22, 0.01), record("ssct", 0, 0.08)];
+    assert_eq!(names(&two_sizes), ["error-world", "error-world-bytes"]);
     assert!(!text(&[record("ssct", 0, 0.08)]).contains("prepared MiB"));
 }
 
-/// Writes a picture of one colour with some noise, so that its JPEG is smaller than its PNG.
+/// Writes a PNG of one colour with some noise into the folder `images`. The noise makes its JPEG smaller than its PNG.
 fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
     let noise = |n: u32| (n.wrapping_mul(2_654_435_761) >> 28) as u8;
     let bytes = (0..64 * 36 * 3).map(|n| color[n as usize % 3].saturating_add(noise(n))).collect();
@@ -215,12 +215,12 @@ fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
 }
 
 /// A study's page in a folder, with all files that it links to.
-struct Made {
+struct StudyPage {
     folder: Folder,
     html: String,
 }
 
-impl Made {
+impl StudyPage {
     /// Makes the page from small records and pictures, and writes it to a new folder.
     fn new() -> Self {
         let folder = Folder::new();
@@ -280,7 +280,7 @@ impl Made {
 /// that is sent by mail would otherwise lack them.
 #[test]
 fn the_page_needs_nothing_from_elsewhere() {
-    let page = Made::new();
+    let page = StudyPage::new();
     for word in ["http:", "https:", "url(", "@import", "<iframe", "<object"] {
         assert!(!page.html.contains(word), "{word}");
     }
@@ -295,7 +295,7 @@ fn the_page_needs_nothing_from_elsewhere() {
 /// are closed. Browsers repair such faults in silence.
 #[test]
 fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
-    let page = Made::new();
+    let page = StudyPage::new();
     let ids = attributes(&page.html, "id");
     let mut unique = ids.clone();
     unique.sort();
@@ -321,7 +321,7 @@ fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
 /// A page without records says so, and a page with a picture that does not exist is refused with the picture's name.
 #[test]
 fn a_missing_picture_is_named() {
-    let page = Made::new();
+    let page = StudyPage::new();
     let device = device();
     let missing = Picture { file: "images/none.png".into(), name: "none".into(), caption: String::new() };
     let empty = Page {
@@ -385,9 +385,9 @@ probe(await show("index.html", 390, true), "no-script");
 /// two pictures moves. Without its script, the page has no dividers.
 #[test]
 fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
-    let page = Made::new();
+    let page = StudyPage::new();
     let Some(found) = probe(&page.folder, PROBE) else { return };
-    let expected = |what: &str, columns: u32| {
+    let lines_of = |what: &str, columns: u32| {
         let wide = columns > 1;
         format!(
             "{what} overflow 0\n{what} pictures true\n{what} dividers 2\n{what} columns {columns}\n\
@@ -399,7 +399,7 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     };
     let without = "no-script overflow 0\nno-script pictures true\nno-script dividers 0\nno-script columns 1\n\
                    no-script between false\nno-script above true";
-    let expected = expected("390", 1) + &expected("1280", 3) + without;
+    let expected = lines_of("390", 1) + &lines_of("1280", 3) + without;
     assert_eq!(found, expected);
 }
 
@@ -407,7 +407,7 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
 /// part that the text has.
 #[test]
 fn a_screenshot_shows_words_plots_and_pictures() {
-    let page = Made::new();
+    let page = StudyPage::new();
     for width in WIDTHS {
         let profile = tempfile::tempdir().unwrap();
         let Some(mut command) = chromium(profile.path()) else { return };
@@ -440,9 +440,9 @@ fn a_screenshot_shows_words_plots_and_pictures() {
 #[test]
 fn medians_by_roughness_are_of_a_method_s_first_variant() {
     let base = error_record("unified", ErrorReference::Screen, 4.0, 0.02);
-    let other = |head: fn(&mut Head)| {
+    let other = |change: fn(&mut Head)| {
         let mut record = error_record("unified", ErrorReference::Screen, 4.0, 0.08);
-        head(&mut record.head);
+        change(&mut record.head);
         record
     };
     let by_oracle_2 = other(|head| drop(head.setup.insert("oracle".into(), 2.into())));

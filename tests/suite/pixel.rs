@@ -26,8 +26,8 @@ fn args<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&["render"], &place[..], more].concat()
 }
 
-/// Returns the report on a pixel, as JSON.
-fn said(folder: &Folder, pixel: &str, more: &[&str]) -> Value {
+/// Returns the report of `render` on a pixel ("X,Y") as JSON, with further options.
+fn report_on(folder: &Folder, pixel: &str, more: &[&str]) -> Value {
     let output = folder.succeed(&args(&[&["--pixel", pixel, "--json"], more].concat()));
     let records: Value = serde_json::from_str(&output).unwrap();
     records[0]["pixel"].clone()
@@ -54,7 +54,7 @@ fn a_pixel_of_every_method_with_a_twin_is_explained_from_its_walk_to_its_colour(
     let folder = folder();
     for (method, more) in [("ssct", &[][..]), ("hzct", &[]), ("unified", &["--beyond", "none"]), ("stochastic", &[])] {
         let flags = [&["--method", method, "--roughness", "0"], more].concat();
-        let report = said(&folder, "32,44", &flags);
+        let report = report_on(&folder, "32,44", &flags);
         assert_eq!((&report["method"], &report["surface"]["mesh"]), (&method.into(), &"floor".into()), "{report}");
         let colors = &report["colors"];
         let [lit, reflection, image] = ["lit", "reflection", "image"].map(|name| numbers(&colors[name]));
@@ -78,8 +78,8 @@ fn the_report_fits_a_screen_and_names_what_hides_the_place() {
     let folder = folder();
     // Rays from far places of the floor end on the wall below the plate, and rays from near places above it; between
     // them, they end behind the plate.
-    let reports = (28..40)
-        .map(|y| said(&folder, &format!("32,{y}"), &["--method", "unified", "--beyond", "none", "--roughness", "0"]));
+    let flags = ["--method", "unified", "--beyond", "none", "--roughness", "0"];
+    let reports = (28..40).map(|y| report_on(&folder, &format!("32,{y}"), &flags));
     let hidden: Vec<Value> = reports.filter(|report| report["world_end"]["hidden_by"] == "plate").collect();
     let found = hidden.get(hidden.len() / 2).expect("a ray ends behind the plate");
     let causes = found["why"].to_string();
@@ -90,14 +90,13 @@ fn the_report_fits_a_screen_and_names_what_hides_the_place() {
     assert_eq!(found["verdict"], "wrong by the world", "{found}");
     let pixel = numbers(&found["pixel"]);
     let picked = format!("{},{}", pixel[0], pixel[1]);
-    let text =
-        folder.succeed(&args(&["--pixel", &picked, "--method", "unified", "--beyond", "none", "--roughness", "0"]));
+    let text = folder.succeed(&args(&[&["--pixel", &*picked][..], &flags].concat()));
     assert!(text.lines().count() <= 24 && text.lines().all(|line| line.chars().count() <= 100), "{text}");
     for part in ["wrong by the world", "hidden behind plate", "fade", "oracle", "last cell", "by world", "in a PNG"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let both = folder.succeed(&args(&["--pixel", &picked, "--explain", "-o", "a.png"]));
-    assert!(both.contains("recorded  trace+cone") && both.contains(&format!("pixel {}, {}", pixel[0], pixel[1])));
+    let printed = folder.succeed(&args(&["--pixel", &picked, "--explain", "-o", "a.png"]));
+    assert!(printed.contains("recorded  trace+cone") && printed.contains(&format!("pixel {}, {}", pixel[0], pixel[1])));
 }
 
 /// A pixel outside the image is refused with its range. For sky and for a surface without reflectivity, the report says
@@ -117,11 +116,11 @@ fn pixels_outside_and_pixels_without_reflection_get_a_sentence() {
     let sky = serde_json::from_slice::<Value>(&output.stdout).unwrap()[0]["pixel"].clone();
     assert_eq!(sky["why"][0], "The pixel does not reflect: it shows the sky.", "{sky}");
     assert!(sky["oracle_end"].is_null() && sky["world_end"].is_null() && sky["walk"].is_null(), "{sky}");
-    let dull = said(&folder, "32,44", &["--reflectivity", "0"]);
+    let dull = report_on(&folder, "32,44", &["--reflectivity", "0"]);
     assert_eq!(dull["verdict"], "does not reflect");
     assert_eq!(dull["why"][0], "The pixel does not reflect: the reflectivity of floor is 0 there.", "{dull}");
-    let typed = folder.run(&args(&["--pixel", "3"]));
-    assert!(String::from_utf8_lossy(&typed.stderr).contains("write it as 480,270"));
+    let incomplete = folder.run(&args(&["--pixel", "3"]));
+    assert!(String::from_utf8_lossy(&incomplete.stderr).contains("write it as 480,270"));
 }
 
 /// For mirrors, a dump of `unified` has the pyramid and no colour chain; with gloss it has the chain. Fronts of blocks
@@ -175,12 +174,12 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
     let verdict = channel(&folder, "d/verdict.exr", "verdict");
     let fade = channel(&folder, "d/fade.exr", "fade");
     let picture = folder.image("d/verdict.png");
-    let names = ["does not reflect", "right", "wrong by the screen", "wrong by the world"];
+    let verdict_names = ["does not reflect", "right", "wrong by the screen", "wrong by the world"];
     for (x, y) in [(32, 46), (5, 40), (60, 36), (32, 2)] {
-        let report = said(&folder, &format!("{x},{y}"), &flags);
+        let report = report_on(&folder, &format!("{x},{y}"), &flags);
         let index = (y * SIZE[0] + x) as usize;
         assert_eq!(fade[index] as f64, report["colors"]["fade"].as_f64().unwrap(), "fade at {x}, {y}");
-        let dumped_verdict = names[verdict[index] as usize];
+        let dumped_verdict = verdict_names[verdict[index] as usize];
         assert_eq!(report["verdict"] == "does not reflect", dumped_verdict == "does not reflect", "{x}, {y}");
         assert_eq!(picture.get_pixel(x, y).0 == [0; 3], dumped_verdict == "does not reflect", "{x}, {y}");
     }
@@ -191,11 +190,9 @@ fn verdicts_and_fade_of_a_dump_agree_with_what_is_said_of_a_pixel() {
         assert!(text.starts_with("<svg") && text.contains(words) && text.contains(" pixels, "), "{text}");
     }
     let page = std::fs::read_to_string(crate::common::repository().join("docs/dump.md")).unwrap();
-    for code in (0..=16).map(|code| (code, PathCode::from_channel(code as f32).unwrap())) {
-        assert!(
-            page.contains(&format!("| {} | {} |\n", code.0, code.1.words())),
-            "docs/dump.md does not explain {code:?}"
-        );
+    for number in 0..=16 {
+        let words = PathCode::from_channel(number as f32).unwrap().words();
+        assert!(page.contains(&format!("| {number} | {words} |\n")), "docs/dump.md does not explain {number}, {words}");
     }
     for name in folder.list("d") {
         let (stem, _) = name.rsplit_once('.').unwrap();

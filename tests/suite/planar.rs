@@ -28,16 +28,16 @@ fn scene() -> Scene {
     b.quad(red, Vec3::new(-4.0, -1.0, 6.5), Vec3::X * 8.0, Vec3::Y * 5.0, -Vec3::Z);
     let floor = b.matt(Vec3::new(0.3, 0.5, 0.4));
     b.quad(floor, Vec3::new(-6.0, -0.01, -3.0), Vec3::X * 12.0, Vec3::Z * 8.0, Vec3::Y);
-    for k in 0..5 {
-        let board = b.matt(Vec3::new(0.2 * k as f32, 0.9 - 0.15 * k as f32, 0.3 + 0.1 * k as f32));
-        let corner = Vec3::new(-2.2 + 0.9 * k as f32, 0.2, 3.6 - 0.5 * k as f32);
-        b.quad(board, corner, Vec3::new(0.5, 0.0, 0.2), Vec3::Y * (0.5 + 0.2 * k as f32), Vec3::new(0.2, 0.0, -0.5));
+    for n in 0..5 {
+        let board = b.matt(Vec3::new(0.2 * n as f32, 0.9 - 0.15 * n as f32, 0.3 + 0.1 * n as f32));
+        let corner = Vec3::new(-2.2 + 0.9 * n as f32, 0.2, 3.6 - 0.5 * n as f32);
+        b.quad(board, corner, Vec3::new(0.5, 0.0, 0.2), Vec3::Y * (0.5 + 0.2 * n as f32), Vec3::new(0.2, 0.0, -0.5));
     }
     b.0
 }
 
-/// Returns a camera that looks at the mirror.
-fn look(extent: [u32; 2]) -> Camera {
+/// Returns a camera that looks at the mirror, for an image size in pixels.
+fn facing_mirror(extent: [u32; 2]) -> Camera {
     camera(Vec3::new(0.3, 1.4, 0.0), Vec3::new(0.5, 1.0, 4.0), extent)
 }
 
@@ -57,7 +57,7 @@ fn a_mirror_shows_what_its_rays_meet() {
         for planes in [1, 2] {
             let setup = setup(variant, planes);
             let Truth { reflection, world: truth, first_hits } =
-                beside_truth(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
+                beside_truth(&gpu, &scene, facing_mirror(EXTENT), "planar", &setup, &Globals::default());
             // Only the first mirror reflects unless both are mirrored; the second stands to the right of it.
             let (mut mirror_pixels, mut alike, mut lit) = (0, 0, 0);
             for ((texel, truth), receiver) in reflection.texels().zip(&truth).zip(&first_hits.receivers) {
@@ -82,8 +82,9 @@ fn a_mirror_shows_what_its_rays_meet() {
             images.push(reflection.values);
         }
     }
-    assert!(images[0] == images[2] && images[1] == images[3], "both variants show the same");
-    assert!(images[0] != images[1]);
+    let [stencil_one, stencil_two, target_one, target_two] = &images[..] else { panic!("four images") };
+    assert!(stencil_one == target_one && stencil_two == target_two, "both variants show the same");
+    assert!(stencil_one != stencil_two, "the second plane shows");
 }
 
 /// With the stencil, the mirrored scene covers fewer than nine tenths of the pixels that it covers without. The stencil
@@ -94,7 +95,7 @@ fn the_stencil_spares_what_the_mirror_does_not_show() {
     let scene = scene();
     let drawn = |variant| {
         let setup = setup(variant, 1);
-        let shown = show(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
+        let shown = show(&gpu, &scene, facing_mirror(EXTENT), "planar", &setup, &Globals::default());
         shown.get("mirrored-normal").texels().filter(|n| n[..3] != [0.0; 3]).count()
     };
     let (stencil, target) = (drawn(MirrorDrawing::Stencil), drawn(MirrorDrawing::Target));
@@ -110,18 +111,18 @@ fn as_a_fallback_the_mirror_shows_where_the_screen_does_not() {
     let scene = scene();
     let shown = |method, fallback| {
         let setup = Setup::on_screen(EXTENT).with(|p: &mut EffectParams| p.fallback = fallback);
-        show(&gpu, &scene, look(EXTENT), method, &setup, &Globals::default())
+        show(&gpu, &scene, facing_mirror(EXTENT), method, &setup, &Globals::default())
     };
     let mirror = shown("planar", Fallback::None);
-    let (alone, both) = (shown("ssct", Fallback::None), shown("ssct", Fallback::Planar));
+    let (alone, over_planar) = (shown("ssct", Fallback::None), shown("ssct", Fallback::Planar));
     let texels = |shown: &Shown| shown.get("reflection").texels().map(<[f32]>::to_vec).collect::<Vec<_>>();
     let (mut missed, mut kept) = (0, 0);
-    for ((mirror, alone), both) in texels(&mirror).iter().zip(texels(&alone)).zip(texels(&both)) {
+    for ((mirror, alone), shown) in texels(&mirror).iter().zip(texels(&alone)).zip(texels(&over_planar)) {
         if alone[3] == 0.0 {
-            assert_eq!(&both, mirror, "what the screen misses is what the mirror shows, or nothing");
+            assert_eq!(&shown, mirror, "what the screen misses is what the mirror shows, or nothing");
             missed += u32::from(mirror[3] == 1.0);
         } else if mirror[3] == 0.0 {
-            assert!((both[0] - alone[0]).abs() <= 1e-3 && (both[3] - alone[3]).abs() <= 1e-3, "{both:?} {alone:?}");
+            assert!((shown[0] - alone[0]).abs() <= 1e-3 && (shown[3] - alone[3]).abs() <= 1e-3, "{shown:?} {alone:?}");
             kept += 1;
         }
     }

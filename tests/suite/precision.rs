@@ -63,8 +63,8 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
             // format tells what coarser formats cost it.
             let drawn = |storage: Storage| {
                 let stored = storage.store(&exact);
-                let made = gbuffer::reflect(&gpu, &stored, None, methods[0], &Setup::new(SIZE)).unwrap().reflection;
-                made.texels().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>()
+                let image = gbuffer::reflect(&gpu, &stored, None, methods[0], &Setup::new(SIZE)).unwrap();
+                image.reflection.texels().map(|t| [t[0], t[1], t[2]]).collect::<Vec<_>>()
             };
             let (finest_image, mask) = (drawn(finest), exact.data.reflecting());
             assert!(drawn(halves) == finest_image, "{method}");

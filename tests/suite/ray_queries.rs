@@ -16,8 +16,8 @@ use ssct_scenes::{Encoding, Material, Scene, Texture};
 /// The number of rays for each of which one may end on another triangle that is equally near within rounding.
 const RAYS_TO_A_TIE: usize = 1000;
 
-/// Returns a setup with a tracer.
-fn by(setup: &Setup, tracer: Tracer) -> Setup {
+/// Returns a setup with another tracer.
+fn using(setup: &Setup, tracer: Tracer) -> Setup {
     setup.with(|p: &mut EffectParams| p.tracer = tracer)
 }
 
@@ -37,7 +37,7 @@ fn draw(stage: &mut Stage, shot: &Shot) -> Drawn {
 }
 
 /// Makes shots of one view with both tracers, first the tree and then the query.
-fn both(
+fn tree_and_query(
     stage: &mut Stage,
     (scene, view): (&Scene, &str),
     materials: &[Material],
@@ -45,14 +45,14 @@ fn both(
 ) -> [Shot; 2] {
     let camera = scene.view(view).unwrap().camera(scene, EXTENT);
     [Tracer::Tree, Tracer::Query]
-        .map(|tracer| Shot::new(stage, method, &by(setup, tracer), Wants::HITS, camera, materials.to_vec()).unwrap())
+        .map(|tracer| Shot::new(stage, method, &using(setup, tracer), Wants::HITS, camera, materials.to_vec()).unwrap())
 }
 
-/// Returns the number of texels with an end of a ray, and the number of texels in which the two images differ.
+/// Returns the number of texels with an end of a ray, and the number of texels in which the two images differ. The
+/// images are hits or reflections, whose last channel is above 0 where a ray ends.
 fn differing(tree: &Pixels, query: &Pixels) -> (usize, usize) {
     let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-3 * (1.0 + a.abs()));
-    let has_end = |a: &[f32]| a[3] > 0.0;
-    let rays = tree.texels().filter(|a| has_end(a)).count();
+    let rays = tree.texels().filter(|texel| texel[3] > 0.0).count();
     (rays, tree.texels().zip(query.texels()).filter(|(a, b)| differ(a, b)).count())
 }
 
@@ -62,14 +62,14 @@ fn differing(tree: &Pixels, query: &Pixels) -> (usize, usize) {
 fn queries_end_rays_where_the_tree_does() {
     let gpu = gpu();
     if !gpu.has_ray_queries() {
-        return refuses(&gpu);
+        return check_refusal(&gpu);
     }
     for (name, view) in [("rooms", "cylinder"), ("street", "car"), ("cathedral", "clerestory")] {
         let scene = crate::common::built_in(name);
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let materials = mirrors(&scene, view);
         for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(FirstTraced::Screen))] {
-            let shots = both(&mut stage, (&scene, view), &materials, (method, &setup));
+            let shots = tree_and_query(&mut stage, (&scene, view), &materials, (method, &setup));
             let [tree, query] = shots.each_ref().map(|shot| draw(&mut stage, shot));
             assert_eq!(tree.recorded, query.recorded);
             let (rays, differing_ends) = differing(tree.hits.as_ref().unwrap(), query.hits.as_ref().unwrap());
@@ -90,7 +90,7 @@ fn queries_end_rays_where_the_tree_does() {
 fn lobes_of_both_tracers_are_alike() {
     let gpu = gpu();
     if !gpu.has_ray_queries() {
-        return refuses(&gpu);
+        return check_refusal(&gpu);
     }
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
@@ -100,7 +100,7 @@ fn lobes_of_both_tracers_are_alike() {
         let view = scene.view("cylinder").unwrap();
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
         for (method, setup) in [(traced(), Setup::new(EXTENT)), (&unified::INFO, beyond(FirstTraced::Screen))] {
-            let shots = both(&mut stage, (&scene, "cylinder"), &materials, (method, &setup));
+            let shots = tree_and_query(&mut stage, (&scene, "cylinder"), &materials, (method, &setup));
             let [tree, query] = shots.each_ref().map(|shot| draw(&mut stage, shot));
             let (rays, others) = differing(&tree.reflection, &query.reflection);
             assert!(tree.reflection.texels().any(|t| t[0] > 0.1), "black at roughness {roughness}");
@@ -116,7 +116,7 @@ fn lobes_of_both_tracers_are_alike() {
 fn holes_and_backs_let_queries_through() {
     let gpu = gpu();
     if !gpu.has_ray_queries() {
-        return refuses(&gpu);
+        return check_refusal(&gpu);
     }
     let plain = crate::common::built_in("rooms");
     let mut holed = plain.clone();
@@ -132,7 +132,7 @@ fn holes_and_backs_let_queries_through() {
     let view = "cylinder";
     let drawn = [&plain, &holed].map(|scene| {
         let mut stage = Stage::new(&gpu, scene).unwrap();
-        let shots = both(&mut stage, (scene, view), &mirrors(scene, view), (traced(), &Setup::new(EXTENT)));
+        let shots = tree_and_query(&mut stage, (scene, view), &mirrors(scene, view), (traced(), &Setup::new(EXTENT)));
         shots.each_ref().map(|shot| draw(&mut stage, shot).hits.unwrap())
     });
     let [[whole, _], [tree, query]] = &drawn;
@@ -149,11 +149,11 @@ fn holes_and_backs_let_queries_through() {
 fn queries_see_a_mesh_where_it_stands_now() {
     let gpu = gpu();
     if !gpu.has_ray_queries() {
-        return refuses(&gpu);
+        return check_refusal(&gpu);
     }
     let scene = crate::common::built_in("street");
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let shots = both(&mut stage, (&scene, "car"), &mirrors(&scene, "car"), (traced(), &Setup::new(EXTENT)));
+    let shots = tree_and_query(&mut stage, (&scene, "car"), &mirrors(&scene, "car"), (traced(), &Setup::new(EXTENT)));
     let [_, before] = shots.each_ref().map(|shot| draw(&mut stage, shot));
     stage.scene_mut().place_meshes("car-body", Vec3::new(0.0, 0.5, 0.0)).unwrap();
     // The tree is drawn last, so that it cannot have built anything for the query.
@@ -166,11 +166,11 @@ fn queries_see_a_mesh_where_it_stands_now() {
 }
 
 /// Checks that a device without ray queries refuses them, with a sentence that says what it lacks.
-fn refuses(gpu: &Gpu) {
+fn check_refusal(gpu: &Gpu) {
     let scene = crate::common::built_in("rooms");
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let camera = scene.views[0].camera(&scene, EXTENT);
-    let setup = by(&Setup::new(EXTENT), Tracer::Query);
+    let setup = using(&Setup::new(EXTENT), Tracer::Query);
     let shot = Shot::new(&mut stage, traced(), &setup, Wants::IMAGE, camera, mirrors(&scene, &scene.views[0].name));
     let message = shot.err().expect("refused").to_string();
     let name = &gpu.info().name;
@@ -183,7 +183,7 @@ fn refuses(gpu: &Gpu) {
 #[test]
 fn the_command_draws_with_queries_or_says_why_not() {
     let folder = Folder::new();
-    let has = gpu().has_ray_queries();
+    let has_queries = gpu().has_ray_queries();
     let output = |tracer| {
         let file = format!("{tracer}.png");
         let size = ["--size", "66x37", "--validation", "--explain", "-o", &file];
@@ -191,7 +191,7 @@ fn the_command_draws_with_queries_or_says_why_not() {
     };
     let query = output("query");
     let [errors, printed] = [&query.stderr, &query.stdout].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-    if !has {
+    if !has_queries {
         assert_eq!(query.status.code(), Some(2), "{errors}");
         assert!(errors.contains(" has no ray queries: it lacks ") && errors.lines().count() == 1, "{errors}");
         return;

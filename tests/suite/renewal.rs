@@ -39,13 +39,13 @@ fn scene() -> Scene {
 const MOVING: &str = "red";
 
 /// Replaces the lights, and moves the moving mesh to its new place.
-fn changed(data: &mut SceneData) {
+fn change(data: &mut SceneData) {
     let lights = [Light::Point { position: Vec3::new(1.0, 3.0, -1.0), energy: 4.0 }];
     data.set_lights(&lights).unwrap();
     data.place_meshes(MOVING, Vec3::new(2.25, 0.5, -0.25)).unwrap();
 }
 
-/// Returns the bits of captures: normals, each level of the colour, and the cells of all levels of the pyramids.
+/// Returns the bits of captures, a list for each image: normals, each level of the colour, and the pyramids' cells.
 fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
     let captures = images.captures();
     let levels = (0..captures.color.levels()).map(|level| captures.color.level(level));
@@ -87,7 +87,7 @@ fn captures_that_were_renewed_in_turn_equal_captures_made_anew() {
         let old = CaptureImages::new(&mut context, &SceneInput { data: &data, materials }, &scene.captures).unwrap();
         let renewal = Renewal::new(&gpu, &scene.captures, per_frame).unwrap();
         let before = bits(&mut context, &old);
-        changed(&mut data);
+        change(&mut data);
         let input = SceneInput { data: &data, materials };
         let fresh = CaptureImages::new(&mut context, &input, &scene.captures).unwrap();
         let fresh = bits(&mut context, &fresh);
@@ -127,8 +127,8 @@ fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<u32>, Vec<(String, bool)>) {
     (bits, report.passes.into_iter().map(|p| (p.name, p.counted)).collect())
 }
 
-/// Effects that look into captures of the same places share one drawing, and each says what it costs alone. An effect whose
-/// captures move, and one that is made after a change of the scene, draws its own, and the others see what they saw.
+/// Effects that look into captures of the same places share one drawing, and each says what it costs alone. An effect
+/// whose captures move draws its own, and so does one that is made after a change of the scene. The others stay equal.
 #[test]
 fn captures_are_drawn_once_for_all_effects_until_they_move_or_the_scene_changes() {
     let gpu = gpu();
@@ -154,7 +154,7 @@ fn captures_are_drawn_once_for_all_effects_until_they_move_or_the_scene_changes(
     let third = shot(&mut stage, &scene, &unified::INFO, 0);
     assert_eq!(frame(&mut stage, &third).0, before_second);
 
-    changed(stage.scene_mut());
+    change(stage.scene_mut());
     let held = gpu.allocated_bytes();
     let late = shot(&mut stage, &scene, &captures::INFO, 0);
     assert!(gpu.allocated_bytes() - held >= cost[0], "a scene that changed is captured again");
@@ -177,7 +177,7 @@ fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
         let others = |recorded_passes: &[(String, bool)]| {
             recorded_passes.iter().filter(|(name, _)| !name.starts_with("capture/")).cloned().collect::<Vec<_>>()
         };
-        changed(stage.scene_mut());
+        change(stage.scene_mut());
         let fresh = shot(&mut stage, &scene, method, 0);
         let truth = frame(&mut stage, &fresh).0;
         for n in 0..3 {

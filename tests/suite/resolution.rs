@@ -58,14 +58,15 @@ fn half_resolution_lies_where_full_resolution_does() {
 
 /// Returns the bilinear mean of the full reflection at the traced pixels around a pixel, without regard to surfaces.
 fn between_traced(full: &Pixels, x: u32, y: u32) -> Vec<f32> {
-    let texel = |i: u32| {
-        let (across, down) = (i & 1, i >> 1);
-        let weight = |pixel: u32, step: u32| if pixel.is_multiple_of(2) { 1.0 - step as f32 } else { 0.5 };
+    // Pixels with even coordinates are traced. An odd one lies midway between the traced ones before and after it.
+    let weighted_texel = |corner: u32| {
+        let (across, down) = (corner & 1, corner >> 1);
+        let share = |pixel: u32, step: u32| if pixel.is_multiple_of(2) { 1.0 - step as f32 } else { 0.5 };
         let traced = |pixel: u32, step: u32, side: u32| (pixel / 2 + step).min((side - 1) / 2) * 2;
-        let weight = weight(x, across) * weight(y, down);
+        let weight = share(x, across) * share(y, down);
         full.texel(traced(x, across, full.width), traced(y, down, full.height)).iter().map(|v| weight * v).collect()
     };
-    (0..4).map(texel).reduce(|a: Vec<f32>, b| a.iter().zip(&b).map(|(a, b)| a + b).collect()).unwrap()
+    (0..4).map(weighted_texel).reduce(|a: Vec<f32>, b| a.iter().zip(&b).map(|(a, b)| a + b).collect()).unwrap()
 }
 
 /// In pixels whose traced neighbours lie on other surfaces, half resolution errs by less than 0.42 of plain
@@ -88,8 +89,8 @@ fn half_resolution_takes_reflections_of_the_pixels_own_surface() {
             .iter()
             .any(|(dx, dy)| facing(normals.texel(x / 2 * 2 + dx, y / 2 * 2 + dy)) < 0.9)
     };
-    let places = (0..extent[1] - 2).flat_map(|y| (0..extent[0] - 2).map(move |x| (x, y)));
-    let edges: Vec<_> = places.filter(|&(x, y)| (x % 2, y % 2) != (0, 0) && has_turned_neighbour(x, y)).collect();
+    let pixels = (0..extent[1] - 2).flat_map(|y| (0..extent[0] - 2).map(move |x| (x, y)));
+    let edges: Vec<_> = pixels.filter(|&(x, y)| (x % 2, y % 2) != (0, 0) && has_turned_neighbour(x, y)).collect();
     let at_edges =
         |image: &dyn Fn(u32, u32) -> Vec<f32>| edges.iter().flat_map(|&(x, y)| image(x, y)).collect::<Vec<_>>();
     let truth = at_edges(&|x, y| full.texel(x, y).to_vec());

@@ -27,28 +27,28 @@ fn hash(images: &[&Pixels]) -> String {
     hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
 }
 
-/// Returns a hash of the images of every method: made from the G-buffer of a file, or from a drawn scene if the method
-/// needs one.
-fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
+/// Returns a hash of the images of every method, by the method's name. They are made from the G-buffer of a file, or
+/// from a drawn scene if the method needs one.
+fn image_hashes(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     let data = gbuffer_file::load(file).unwrap();
     let scene = clutter();
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
-    let mut all = BTreeMap::new();
+    let mut hashes = BTreeMap::new();
     for method in METHODS {
         let setup = with_small_captures(&Setup::new(EXTENT));
         let image_hash = if method.is_screen_space() {
-            let image_hash = gbuffer::reflect(gpu, &data, None, method, &setup).unwrap();
-            hash(&[&image_hash.reflection, &image_hash.composite])
+            let image = gbuffer::reflect(gpu, &data, None, method, &setup).unwrap();
+            hash(&[&image.reflection, &image.composite])
         } else {
             let camera = clutter_camera(EXTENT);
             let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
-            let image_hash = render(&mut stage, &shot, false).unwrap();
-            hash(&[&image_hash.reflection, &image_hash.composite])
+            let image = render(&mut stage, &shot, false).unwrap();
+            hash(&[&image.reflection, &image.composite])
         };
-        all.insert(method.name.to_owned(), image_hash);
+        hashes.insert(method.name.to_owned(), image_hash);
     }
-    all
+    hashes
 }
 
 /// Prints the subgroup size and the hashes of all methods, in a process of its own. The test below compares them with
@@ -59,13 +59,13 @@ fn child() {
     let file = std::env::var_os(GBUFFER).expect("a G-buffer");
     let gpu = Gpu::open(&DeviceQuery::default()).unwrap();
     println!("subgroup {}", gpu.subgroup_size());
-    for (method, hash) in images(&gpu, Path::new(&file)) {
+    for (method, hash) in image_hashes(&gpu, Path::new(&file)) {
         println!("image {method} {hash}");
     }
 }
 
-/// Returns the hashes of a process with some environment variables, and its subgroup size, or `None` if the process
-/// crashed.
+/// Returns the hashes that a process with some environment variables finds, and its subgroup size, or `None` if the
+/// driver crashed.
 fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<String, String>, u32)> {
     let output = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "same::child", "--ignored", "--nocapture"])
@@ -77,14 +77,14 @@ fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<Str
     // A panic of this program has a status; a crash of the driver ends in a signal.
     output.status.code()?;
     assert!(output.status.success(), "{variables:?}: {printed}{}", String::from_utf8_lossy(&output.stderr));
-    let image = |line: &str| {
+    let method_and_hash = |line: &str| {
         let (method, hash) = line.strip_prefix("image ")?.split_once(' ')?;
         Some((method.to_owned(), hash.to_owned()))
     };
-    let images: BTreeMap<_, _> = printed.lines().filter_map(image).collect();
-    assert_eq!(images.len(), METHODS.len(), "{printed}");
+    let hashes: BTreeMap<_, _> = printed.lines().filter_map(method_and_hash).collect();
+    assert_eq!(hashes.len(), METHODS.len(), "{printed}");
     let subgroup = printed.lines().find_map(|l| l.strip_prefix("subgroup ")).unwrap().parse().unwrap();
-    Some((images, subgroup))
+    Some((hashes, subgroup))
 }
 
 /// The images of all methods have equal hashes in two runs of one process, with other numbers of threads, and with
@@ -104,16 +104,16 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
     std::fs::write(&file, gbuffer_file::encode(&data, &file).unwrap()).unwrap();
 
-    let here = images(&gpu, &file);
-    assert_eq!(images(&gpu, &file), here, "twice in a process");
+    let here = image_hashes(&gpu, &file);
+    assert_eq!(image_hashes(&gpu, &file), here, "twice in a process");
     // Mesa reads these variables and other drivers do not: the threads of the rasteriser (0: the caller's thread), and
     // the bits of its vectors, which decide the size of subgroups.
     let expected = expected_failures("threads", &gpu);
     for threads in ["0", "5"] {
         let (hashes, _) = in_a_process(&file, &[("LP_NUM_THREADS", threads)]).expect("no crash");
-        for (method, image) in &here {
+        for (method, hash) in &here {
             let is_known = expected.contains(&format!("{method} LP_NUM_THREADS={threads}"));
-            assert!(is_known || hashes[method] == *image, "{method}: another image on {threads} threads");
+            assert!(is_known || hashes[method] == *hash, "{method}: another image on {threads} threads");
         }
     }
     match in_a_process(&file, &[("LP_NATIVE_VECTOR_WIDTH", "128")]) {

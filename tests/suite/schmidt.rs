@@ -50,7 +50,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
         let inverse = to_clip.inverse();
         let step = 1.0 / f64::from(extent[0].max(extent[1]));
         let size = DVec2::new(f64::from(extent[0]), f64::from(extent[1]));
-        let (mut found, mut far, mut through, mut self_hits) = (0, 0, 0, 0);
+        let (mut found, mut unreachable, mut too_steep, mut self_hits) = (0, 0, 0, 0);
         for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
             if shown.get("material").texel(x, y)[0] < 0.5 {
                 continue;
@@ -68,12 +68,12 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             let is_on_screen = end.truncate().cmpge(DVec2::ZERO).all() && end.truncate().cmple(DVec2::ONE).all();
             // The march skips two steps, its last step may overshoot, and the number of steps is limited.
             if !is_on_screen || length > 1.0 - 2.0 * step || length < 3.0 * step {
-                far += 1;
+                unreachable += 1;
                 continue;
             }
             // A step that goes deeper than the threshold may pass through the wall.
             if linear_depth(end.z + advance.z) - linear_depth(end.z) > 0.001 {
-                through += 1;
+                too_steep += 1;
                 continue;
             }
             let hit = hits.texel(x, y);
@@ -95,7 +95,7 @@ fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
             assert!(difference <= 4.0 * 2.0 * step + 1.0 / 1024.0, "({x}, {y}): {difference}");
             found += 1;
         }
-        println!("{extent:?}: {found} as they should be, {self_hits} on the floor, {far} off, {through} too steep");
+        println!("{extent:?}: {found} right, {self_hits} on the floor, {unreachable} off, {too_steep} too steep");
         assert!(found > 15_000, "{found}");
         assert!(self_hits * 50 < found, "{self_hits} stop at the floor");
     }
@@ -162,8 +162,8 @@ fn steps_and_blur_do_what_they_say() {
     assert!(find("ssr").unwrap().read_parameters().iter().all(|p| p.name != "distance_blur"));
     // The printed listing adds a sample of level 7 and does not count it. Near the viewer, the sum of one sample and
     // the mean of the surroundings is thus divided by one, and about twice as bright.
-    let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();
-    let ratio = mean(&blurred) / mean(&plain);
+    let brightness = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();
+    let ratio = brightness(&blurred) / brightness(&plain);
     println!("blurred over plain: {ratio:.3}");
     assert!((1.6..2.4).contains(&ratio), "{ratio}");
 }

@@ -11,8 +11,9 @@ use ssct::gpu::interface::{self, Interface, StageBinding};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Returns a permutation of the program `Made`, with bindings of some names and kinds and a number of outputs.
-fn made(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Permutation {
+/// Returns a permutation of the program `Made`, with bindings of some names and kinds and a number of outputs. The
+/// extension of `source` says whether its stage is fragment or compute.
+fn shader(source: &str, bindings: &[(&str, &'static str)], outputs: usize) -> Permutation {
     let path = Path::new(source);
     let named = glsl::programs("#pragma program(Made: Tree)\n", path).unwrap().remove(0);
     let binding = |(n, (name, kind)): (usize, &(&str, &'static str))| StageBinding {
@@ -59,7 +60,7 @@ const STORED: (&str, &str) = ("color_image", "StorageImage");
 /// as stored and is no field: the frame binds it as a target.
 #[test]
 fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
-    let text = declared(&mut [made("a.frag", &[READ], 1), made("a.comp", &[READ, ONLY, STORED], 0)], &[]).unwrap();
+    let text = declared(&mut [shader("a.frag", &[READ], 1), shader("a.comp", &[READ, ONLY, STORED], 0)], &[]).unwrap();
     assert!(text.contains("pub depth: Sampled<'a>,") && text.contains("pub tree: Option<&'a Buffer>,"), "{text}");
     assert!(text.contains("stored: &[(2, vk::Format::R32_SFLOAT), ]") && !text.contains("pub color_image"), "{text}");
 }
@@ -68,9 +69,9 @@ fn a_binding_of_some_permutations_is_an_option_and_an_output_is_no_field() {
 #[test]
 fn bindings_of_a_group_are_one_field() {
     let group: (&str, &[&str]) = ("TreeParts", &["depth", "tree"]);
-    let text = declared(&mut [made("a.comp", &[READ, ONLY], 0)], &[group]).unwrap();
+    let text = declared(&mut [shader("a.comp", &[READ, ONLY], 0)], &[group]).unwrap();
     assert!(text.contains("pub tree_parts: TreeParts<'a>") && text.contains("self.tree_parts.tree"), "{text}");
-    let unused = declared(&mut [made("a.comp", &[READ], 0)], &[group]).unwrap_err();
+    let unused = declared(&mut [shader("a.comp", &[READ], 0)], &[group]).unwrap_err();
     assert!(unused.contains("TreeParts"), "{unused}");
 }
 
@@ -80,10 +81,10 @@ fn bindings_of_a_group_are_one_field() {
 fn permutations_that_do_not_fit_each_other_are_refused() {
     let refused = |mut permutations: Vec<Permutation>| declared(&mut permutations, &[]).unwrap_err();
     let buffer = ("depth", "StorageBuffer");
-    assert!(refused(vec![made("a.comp", &[READ], 0), made("b.frag", &[buffer], 1)]).contains("stores 0 images"));
-    assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[buffer], 1)]).contains("depth"));
-    assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[READ], 1)]).contains("same stage"));
-    assert!(refused(vec![made("a.frag", &[READ], 1), made("b.frag", &[READ], 2)]).contains("outputs"));
+    assert!(refused(vec![shader("a.comp", &[READ], 0), shader("b.frag", &[buffer], 1)]).contains("stores 0 images"));
+    assert!(refused(vec![shader("a.frag", &[READ], 1), shader("b.frag", &[buffer], 1)]).contains("depth"));
+    assert!(refused(vec![shader("a.frag", &[READ], 1), shader("b.frag", &[READ], 1)]).contains("same stage"));
+    assert!(refused(vec![shader("a.frag", &[READ], 1), shader("b.frag", &[READ], 2)]).contains("outputs"));
 }
 
 /// The pragma `in_either_stage` adds compute programs to a fragment program, with the macro COMPUTE and its own macros.

@@ -26,7 +26,7 @@ fn on_absent_gpu(folder: &Folder, family: &str, arguments: &[&str]) -> Option<Ou
 }
 
 /// Returns the text on standard error.
-fn said(output: &Output) -> String {
+fn errors_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -35,11 +35,11 @@ fn said(output: &Output) -> String {
 fn a_device_that_tells_nothing_of_its_compiler_is_refused_in_a_sentence() {
     let folder = Folder::new();
     let output = folder.run(&["shaders", "--device", "llvmpipe", "--method", "ssct"]);
-    let text = said(&output);
+    let text = errors_of(&output);
     assert_eq!((output.status.code(), text.lines().count()), (Some(1), 1), "{text}");
     assert!(text.contains("lacks VK_KHR_pipeline_executable_properties"), "{text}");
     let output = folder.run(&["shaders", "--validation"]);
-    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(2), "{}", errors_of(&output));
 }
 
 /// For an absent GPU, each program has registers, code size and no spilled register in its record, and two equal runs
@@ -49,21 +49,21 @@ fn programs_compile_for_a_gpu_that_is_not_there() {
     let folder = Folder::new();
     let arguments = ["shaders", "--method", "ssct,unified", "--roughness", "0,0.3", "--json", "-o", "out"];
     let Some(output) = on_absent_gpu(&folder, "NAVI21", &arguments) else { return };
-    assert!(output.status.success(), "{}", said(&output));
+    assert!(output.status.success(), "{}", errors_of(&output));
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     let records_of = |name: &str| records.iter().filter(|r| r["method"] == name).collect::<Vec<_>>();
     let trace = records_of("ssct").into_iter().find(|r| r["program"] == "thesis/ssct.frag").unwrap();
     assert_eq!((&trace["stage"], &trace["runs_in"]), (&"fragment".into(), &"frame".into()), "{trace}");
     // Among triangles, mirrors run one program and wide lobes three or more.
     let programs = |roughness: f64| {
-        let is_it = |record: &&&Value| (record["roughness"].as_f64().unwrap() - roughness).abs() < 1e-6;
-        records_of("unified").iter().filter(is_it).count()
+        let is_wanted = |record: &&&Value| (record["roughness"].as_f64().unwrap() - roughness).abs() < 1e-6;
+        records_of("unified").iter().filter(is_wanted).count()
     };
     assert!(programs(0.0) >= 1 && programs(0.3) >= 3, "{} {}", programs(0.0), programs(0.3));
     for record in &records {
         let statistic = |name: &str| {
-            let all = record["statistics"].as_array().unwrap();
-            all.iter().find(|s| s["name"] == name).and_then(|s| s["value"].as_f64())
+            let statistics = record["statistics"].as_array().unwrap();
+            statistics.iter().find(|s| s["name"] == name).and_then(|s| s["value"].as_f64())
         };
         assert!(statistic("VGPRs").unwrap() > 0.0 && statistic("Code size").unwrap() > 0.0, "{record}");
         assert_eq!(statistic("Spilled VGPRs"), Some(0.0), "{record}");
@@ -81,10 +81,10 @@ fn a_gpu_that_is_not_there_draws_nothing_and_an_unknown_one_is_named() {
     let folder = Folder::new();
     let render = ["render", "--scene", "rooms", "--size", "34x19", "-o", "a.png"];
     let Some(output) = on_absent_gpu(&folder, "NAVI21", &render) else { return };
-    let text = said(&output);
+    let text = errors_of(&output);
     assert!(output.status.code() == Some(1) && text.contains("its hardware is not there"), "{text}");
     let output = on_absent_gpu(&folder, "NAVI99", &["shaders", "--method", "ssct"]).unwrap();
-    let text = said(&output);
+    let text = errors_of(&output);
     assert!(output.status.code() == Some(1) && text.contains("RADV_FORCE_FAMILY=NAVI99"), "{text}");
 }
 
@@ -125,25 +125,25 @@ fn two_runs_are_compared_by_frames_and_by_programs() {
     assert_eq!(line(&["one.comp", "VGPRs"]).last().unwrap(), "0.500");
     assert!(
         !text.contains("two.comp") && !text.contains("Hash"),
-        "what is alike is not listed, nor what counts nothing: {text}"
+        "equal programs and statistics that count nothing are not listed: {text}"
     );
     let records: Vec<Value> = serde_json::from_str(&folder.succeed(&["compare", "a", "b", "--json"])).unwrap();
     assert!(records.iter().any(|r| r["statistic"] == "VGPRs" && r["value_a"] == 96.0 && r["value_b"] == 48.0));
     folder.write("b/shaders.json", "[{}]");
     let output = folder.run(&["compare", "a", "b"]);
-    assert!(output.status.code() == Some(1) && said(&output).contains("b/shaders.json: holds other records"));
+    assert!(output.status.code() == Some(1) && errors_of(&output).contains("b/shaders.json: holds other records"));
 }
 
-/// Copies the shaders to a folder, with a text of one of them replaced by another.
-fn changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
+/// Copies the shaders to the subfolder `shaders`, with the text `from` of one file replaced by `to`.
+fn write_changed_shaders(folder: &Folder, file: &str, from: &str, to: &str) {
     let sources = repository().join("shaders-glsl");
     for path in glsl::files(&sources, &["vert", "frag", "comp", "glsl"]).unwrap() {
         let copy = folder.path("shaders").join(path.strip_prefix(&sources).unwrap());
         std::fs::create_dir_all(copy.parent().unwrap()).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
-        let is_it = path.ends_with(file);
-        assert!(!is_it || text.contains(from), "{file}: {from}");
-        std::fs::write(copy, if is_it { text.replace(from, to) } else { text }).unwrap();
+        let is_changed = path.ends_with(file);
+        assert!(!is_changed || text.contains(from), "{file}: {from}");
+        std::fs::write(copy, if is_changed { text.replace(from, to) } else { text }).unwrap();
     }
 }
 
@@ -158,9 +158,9 @@ fn a_history_runs_one_program_at_rest_and_another_while_the_camera_moves() {
     let is_of_history = |r: &&Value| r["program"].as_str().is_some_and(|name| name.starts_with("history/"));
     let found: Vec<&Value> = records.iter().filter(is_of_history).collect();
     let constants = |runs_in: &str| {
-        let found_here: Vec<_> = found.iter().filter(|r| r["runs_in"] == runs_in).map(|r| &r["constants"]).collect();
-        assert_eq!(found_here.len(), 1, "{runs_in}: {found:?}");
-        found_here[0].as_str().unwrap()
+        let in_frame: Vec<_> = found.iter().filter(|r| r["runs_in"] == runs_in).map(|r| &r["constants"]).collect();
+        assert_eq!(in_frame.len(), 1, "{runs_in}: {found:?}");
+        in_frame[0].as_str().unwrap()
     };
     // The constant SEARCH of shaders-glsl/history/inputs.glsl.
     assert!(constants("frame").contains(" 3=1") && constants("frame at rest").contains(" 3=0"), "{found:?}");
@@ -175,10 +175,10 @@ fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
         command.args(arguments).current_dir(folder.root()).env("SSCT_SHADERS", folder.path(shaders));
         let output = command.output().unwrap();
-        (output.status.code(), said(&output), output.stdout)
+        (output.status.code(), errors_of(&output), output.stdout)
     };
     let render = ["render", "--method", "ssct", "--size", "17x9", "-o", "out.png"];
-    changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
+    write_changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
     let (status, text, _) = run(&render, "shaders");
     assert_eq!((status, text.lines().count()), (Some(0), 1), "{text}");
     assert!(text.contains("shaders are compiled from ") && text.contains("SSCT_SHADERS"), "{text}");
@@ -189,10 +189,10 @@ fn shaders_of_a_named_folder_stand_for_those_that_were_built_in() {
     let records: Vec<Value> = serde_json::from_slice(&records).unwrap();
     assert!(records[0]["commit"].as_str().unwrap().ends_with(" with other shaders"), "{}", records[0]["commit"]);
 
-    changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(color, nonsense)");
+    write_changed_shaders(&folder, "common/composite.frag", "vec4(color, 1.0)", "vec4(color, nonsense)");
     let (status, text, _) = run(&render, "shaders");
     assert!(status == Some(2) && text.contains("composite.frag:") && text.contains("nonsense"), "{text}");
-    changed_shaders(&folder, "common/composite.frag", "layout(binding = 2)", "layout(binding = 3)");
+    write_changed_shaders(&folder, "common/composite.frag", "layout(binding = 2)", "layout(binding = 3)");
     let (status, text, _) = run(&render, "shaders");
     assert!(status == Some(2) && text.contains("its bindings changed, so the program must be built again"), "{text}");
     let (status, text, _) = run(&render, "none");

@@ -106,13 +106,13 @@ fn figures(mut value: Value) -> Value {
             fields.retain(|name, _| !TIMES.contains(&name.as_str()));
             fields.values_mut().for_each(|v| *v = figures(v.take()));
         }
-        Value::Array(all) => all.iter_mut().for_each(|v| *v = figures(v.take())),
+        Value::Array(items) => items.iter_mut().for_each(|v| *v = figures(v.take())),
         _ => {}
     }
     value
 }
 
-/// Returns the names of the cells that a shard owns, and those of all cells.
+/// Returns the names of the cells that a shard owns, and those of all cells. `list` is the content of `cells.json`.
 fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     let names = |is_own: &dyn Fn(&Value) -> bool| {
         let cells = list["cells"].as_array().unwrap().iter().filter(|c| is_own(c));
@@ -121,8 +121,8 @@ fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     (names(&|c| c["own"] == true), names(&|_| true))
 }
 
-/// Starts a run and kills it once its journal has at least `lines` lines.
-fn killed(arguments: &[&str], folder: &Path, lines: usize) {
+/// Starts a run into a folder, and kills it once its journal there has at least `lines` lines.
+fn start_and_kill(arguments: &[&str], folder: &Path, lines: usize) {
     let mut child = Command::new(SSCT).args(arguments).stdout(Stdio::null()).spawn().unwrap();
     let journal = || std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
     wait_until(|| format!("a run that should write {lines} lines"), || journal().lines().count() >= lines);
@@ -138,37 +138,37 @@ fn merged_shards_of_an_error_study_are_the_study() {
     let folders = Folders::new();
     let [whole, all, first] = ["whole", "all", "1"].map(|name| folders.name(name));
     run_successfully(&[&ERROR[..], &["-o", &whole]].concat());
-    let third = [&ERROR[..], &["--shard", "1/3", "-o", &first]].concat();
-    killed(&third, &folders.path("1"), 3);
-    let (status, ..) = run(&third);
+    let first_shard = [&ERROR[..], &["--shard", "1/3", "-o", &first]].concat();
+    start_and_kill(&first_shard, &folders.path("1"), 3);
+    let (status, ..) = run(&first_shard);
     assert_eq!(status, Some(2), "a shard that was not finished is not begun anew");
     for n in [2, 3] {
         folders.shard(&ERROR, n, 3);
     }
     // The cells that the killed shard has not measured are named.
-    let [second, third_folder] = ["2", "3"].map(|name| folders.name(name));
-    let merge = ["merge", &first, &second, &third_folder, "-o", &all];
+    let [second, third] = ["2", "3"].map(|name| folders.name(name));
+    let merge = ["merge", &first, &second, &third, "-o", &all];
     let message = refused(&merge);
     let lists = ["1", "2", "3"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))));
-    let everything = &lists[0].1;
+    let (first_own, everything) = &lists[0];
     assert!(everything.len() == 4 && lists.iter().all(|(_, all)| all == everything));
     let owned: Vec<&String> = lists.iter().flat_map(|(own, _)| own).collect();
     assert!(owned.len() == 4 && owned.iter().collect::<BTreeSet<_>>().len() == 4, "each cell is in one shard");
     let named = message.split("are missing: ").nth(1).and_then(|rest| rest.split(';').next()).unwrap();
     let missing: Vec<&str> = named.split(", ").collect();
-    assert!(missing.iter().all(|name| lists[0].0.contains(*name)), "{message}");
+    assert!(missing.iter().all(|name| first_own.contains(*name)), "{message}");
     assert!(message.contains(&format!("{} of the 4 cells are missing", missing.len())), "{message}");
 
     // The shards can be merged anyway, and the page names the missing cells.
     let partial = folders.name("partial");
-    let printed = run_successfully(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
+    let printed = run_successfully(&["merge", &first, &second, &third, "-o", &partial, "--partial"]);
     let page = std::fs::read_to_string(folders.path("partial/index.html")).unwrap();
     for name in &missing {
         assert!(printed.contains(&format!("missing: {name}")) && page.contains(name), "{printed}");
     }
-    run_successfully(&[&third[..], &["--resume"]].concat());
-    let done_again = run_successfully(&[&merge[..], &["--json"]].concat());
-    let summary: Value = serde_json::from_str(&done_again).unwrap();
+    run_successfully(&[&first_shard[..], &["--resume"]].concat());
+    let printed = run_successfully(&[&merge[..], &["--json"]].concat());
+    let summary: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!((&summary["cells"], &summary["missing"]), (&4.into(), &Value::Array(vec![])));
 
     // The merged run has the figures of the whole study, to the bit.
@@ -181,10 +181,10 @@ fn merged_shards_of_an_error_study_are_the_study() {
     }
     // A merged run is a run like any other: --resume measures nothing, and an incomplete one merges with a further
     // shard.
-    let measured = || std::fs::read_to_string(folders.path("all/journal.jsonl")).unwrap().lines().count();
-    let before = (measured(), folders.json("all/error.json"));
+    let entry_count = || std::fs::read_to_string(folders.path("all/journal.jsonl")).unwrap().lines().count();
+    let (entries, records) = (entry_count(), folders.json("all/error.json"));
     run_successfully(&[&ERROR[..], &["--resume", "-o", &all]].concat());
-    assert_eq!((measured(), folders.json("all/error.json")), (before.0 + 1, before.1), "but for the note of its end");
+    assert_eq!((entry_count(), folders.json("all/error.json")), (entries + 1, records), "but for the note of its end");
     let again = folders.name("again");
     run_successfully(&["merge", &partial, &first, "-o", &again]);
     assert_eq!(folders.json("again/error.json"), folders.json("all/error.json"));
@@ -265,19 +265,23 @@ fn what_does_not_belong_together_is_not_merged() {
 }
 
 /// Runs a study undivided and in two shards, merges the shards, and checks that both are equal but for times. `records`
-/// is the file of the records.
-fn divided(command: &[&str], records: &str) -> Folders {
+/// is the file of the records. Returns the folders `whole`, `1`, `2` and, of the merged run, `all`.
+fn check_shards(command: &[&str], records: &str) -> Folders {
     let folders = Folders::new();
     let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
     run_successfully(&[command, &["-o", &whole]].concat());
     for n in [1, 2] {
         folders.shard(command, n, 2);
     }
-    let owned = ["1", "2"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))).0.len());
+    let owned = ["1", "2"].map(|n| {
+        let (own, _) = cells(&folders.json(&format!("{n}/cells.json")));
+        own.len()
+    });
     assert!(owned.iter().all(|n| *n > 0), "{command:?}: {owned:?}");
     run_successfully(&["merge", &first, &second, "-o", &all]);
-    let [a, b] = ["whole", "all"].map(|f| figures(folders.json(&format!("{f}/{records}"))));
-    assert!(a.as_array().is_some_and(|all| !all.is_empty()) && a == b, "{command:?}:\n{a}\n{b}");
+    let [undivided, merged] = ["whole", "all"].map(|f| figures(folders.json(&format!("{f}/{records}"))));
+    let is_empty = undivided.as_array().is_none_or(Vec::is_empty);
+    assert!(!is_empty && undivided == merged, "{command:?}:\n{undivided}\n{merged}");
     assert_eq!(folders.files("whole"), folders.files("all"), "{command:?}");
     folders
 }
@@ -287,7 +291,7 @@ fn divided(command: &[&str], records: &str) -> Folders {
 #[test]
 fn times_are_divided_by_size_and_roughness() {
     let study = ["time", "--scene", boards(), "--size", "34x19,48x27", "--roughness", "0,0.1", "--samples", "3"];
-    let folders = divided(&[&study[..], &["--method", "ssct,unified"]].concat(), "time.json");
+    let folders = check_shards(&[&study[..], &["--method", "ssct,unified"]].concat(), "time.json");
     let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
     assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
     // Each shard has both methods, since the methods are compared with each other.
@@ -301,7 +305,7 @@ fn times_are_divided_by_size_and_roughness() {
 }
 
 /// Rewrites the folder of a shard as if another device had measured it.
-fn of_another_device(folder: &Path) {
+fn rewrite_for_another_device(folder: &Path) {
     for file in ["cells.json", "journal.jsonl"] {
         let path = folder.join(file);
         let text = std::fs::read_to_string(&path).unwrap();
@@ -319,7 +323,7 @@ fn times_of_two_devices_stay_apart() {
     for n in [1, 2] {
         folders.shard(&study, n, 2);
     }
-    of_another_device(&folders.path("2"));
+    rewrite_for_another_device(&folders.path("2"));
     let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
     let printed = run_successfully(&["merge", &a, &b, "-o", &all]);
     assert!(printed.contains("2 devices, whose times stay apart"), "{printed}");
@@ -344,7 +348,7 @@ fn times_of_two_devices_stay_apart() {
     for n in [1, 2] {
         folders.shard(&error, n, 2);
     }
-    of_another_device(&folders.path("2"));
+    rewrite_for_another_device(&folders.path("2"));
     let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
     run_successfully(&["merge", &a, &b, "-o", &all]);
     let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
@@ -357,10 +361,10 @@ fn times_of_two_devices_stay_apart() {
 /// but stress, paths and figures each have code of their own that merges them.
 #[test]
 fn other_studies_are_divided_too() {
-    divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
+    check_shards(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
     let small = ["--scene", boards(), "--view", "ahead", "--size", "17x9", "--rays", "2", "--method", "ssct"];
     let study = |kind: &[&'static str]| [kind, &small].concat();
-    divided(&study(&["video", "--way", "rest", "--frames", "2", "--roughness", "0,0.1"]), "video.json");
+    check_shards(&study(&["video", "--way", "rest", "--frames", "2", "--roughness", "0,0.1"]), "video.json");
     let age = ["age", "--scene", boards(), "--view", "ahead", "--size", "17x9", "--rays", "2", "--roughness", "0,0.1"];
     let moves = [
         "--moving",
@@ -376,9 +380,9 @@ fn other_studies_are_divided_too() {
         "--capture-side",
         "128",
     ];
-    divided(&[&age[..], &moves].concat(), "age.json");
+    check_shards(&[&age[..], &moves].concat(), "age.json");
     let path = ["path", "--scene", "corridor", "--size", "17x9,34x19", "--method", "ssct", "--frames", "3"];
-    divided(&path, "path.json");
+    check_shards(&path, "path.json");
 
     let folders = Folders::new();
     let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));

@@ -31,13 +31,13 @@ use ssct_scenes::{Camera, Capture, Material, Scene, View};
 use std::collections::{BTreeMap, HashSet};
 
 /// The bits of a frame's images by their names, its passes, and what the device counted in each.
-struct Made {
+struct MadeFrame {
     images: BTreeMap<String, Vec<u32>>,
     passes: Vec<String>,
     work: Vec<(String, PassWork)>,
 }
 
-/// The stage of the laboratory, the camera and the materials with which frames are made.
+/// The stage of the laboratory, which holds the scene, with the camera and the materials of the frames.
 struct Place<'s> {
     stage: &'s mut Stage,
     camera: Camera,
@@ -46,7 +46,7 @@ struct Place<'s> {
 
 /// Makes a frame with every intermediate image. If the setup's stage is compute shaders, another frame counts the work
 /// of each pass.
-fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> Made {
+fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> MadeFrame {
     let Place { stage, camera, materials } = place;
     let shot = Shot::new(stage, method, setup, wants, *camera, materials.to_vec()).unwrap();
     let image = render(stage, &shot, true).unwrap();
@@ -54,7 +54,7 @@ fn make(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Wants) -> 
     let images = image.intermediates.unwrap().into_iter().map(|(name, _, pixels)| (name, bits(&pixels))).collect();
     let is_counted = setup.effect().stage == ShaderStage::Compute;
     let counted = if is_counted { stage.run(&shot, Mode::Counted).unwrap().0 } else { FrameReport::default() };
-    Made { images, passes, work: counted.recorded.into_iter().zip(counted.work).collect() }
+    MadeFrame { images, passes, work: counted.recorded.into_iter().zip(counted.work).collect() }
 }
 
 /// Returns whether a pass may draw even in the compute stage: it copies, draws the scene, or marks a stencil.
@@ -97,49 +97,49 @@ fn check_same(place: &mut Place, method: &MethodInfo, setup: &Setup, wants: Want
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
     let usual = with_small_captures(&usual);
-    let mut all: Vec<(Setup, Wants)> = sweep::setups(method, &usual)
+    let mut setups: Vec<(Setup, Wants)> = sweep::setups(method, &usual)
         .into_iter()
         .chain([usual.of_preset(Preset::Author)])
         .map(|s| (s, Wants::REFLECTION))
         .collect();
-    all.push((usual.clone(), Wants::HITS));
+    setups.push((usual.clone(), Wants::HITS));
     if [thesis::INFO.name, hzct::INFO.name].contains(&method.name) {
         for mask in [ChainMask::None, ChainMask::Covered, ChainMask::Surface] {
             let set = |p: &mut ThesisDrawing| {
                 (p.split, p.hi_z_maximum, p.chain_filter, p.chain_mask) = (true, true, ChainFilter::Gaussian, mask);
             };
-            all.push((usual.with(set), Wants::HITS));
+            setups.push((usual.with(set), Wants::HITS));
         }
     }
     if method.name == sslr::INFO.name {
-        all.push((usual.with(|p: &mut SslrParams| p.mask_filter = MaskFilter::Hardware), Wants::HITS));
+        setups.push((usual.with(|p: &mut SslrParams| p.mask_filter = MaskFilter::Hardware), Wants::HITS));
     }
     if [poster::INFO.name, ssr::INFO.name, ssr_fast::INFO.name, dda::INFO.name].contains(&method.name) {
         let layered = usual.with(|p: &mut LayerParams| p.layers = 2);
         let blurred = |p: &mut SsrFastParams| (p.distance_blur, p.chain_filter) = (true, ChainFilter::Gaussian);
-        all.push((layered.with(blurred), Wants::HITS));
+        setups.push((layered.with(blurred), Wants::HITS));
     }
     // The two kinds of shader read numbers by the same code, so that one value of each is enough.
     let mut seen = HashSet::new();
-    all.retain(|(setup, wants)| {
+    setups.retain(|(setup, wants)| {
         let choices = values(method, setup, |value| matches!(value, Value::Switch(_) | Value::Choice(_)));
         seen.insert((choices, wants.hits))
     });
     if method.name == planar::INFO.name {
-        all.push((usual.with(|p: &mut PlanarParams| p.planar_planes = 4), Wants::REFLECTION));
+        setups.push((usual.with(|p: &mut PlanarParams| p.planar_planes = 4), Wants::REFLECTION));
     }
     if method.name == ibr::INFO.name {
-        all.push((usual.with(|p: &mut IbrParams| p.ibr_depth = 2.0), Wants::REFLECTION));
+        setups.push((usual.with(|p: &mut IbrParams| p.ibr_depth = 2.0), Wants::REFLECTION));
     }
     if method.name == stochastic::INFO.name {
-        all.push((usual.with(|p: &mut StochasticParams| p.stochastic_rays = 4), Wants::REFLECTION));
+        setups.push((usual.with(|p: &mut StochasticParams| p.stochastic_rays = 4), Wants::REFLECTION));
     }
-    all
+    setups
 }
 
 /// Returns setups of the effect around a screen-space method: fallbacks, half resolution, bounces, other normals, and a
 /// history.
-fn around(extent: [u32; 2]) -> Vec<Setup> {
+fn effect_setups(extent: [u32; 2]) -> Vec<Setup> {
     let changes: [fn(&mut EffectParams); 7] = [
         |p| p.fallback = Fallback::Environment,
         |p| (p.fallback, p.resolution_scale) = (Fallback::Pccm, 0.5),
@@ -153,7 +153,7 @@ fn around(extent: [u32; 2]) -> Vec<Setup> {
 }
 
 /// Returns whether a method has the parameter `stage` and is not `unified`, which has stages of its own.
-fn is_published(method: &&MethodInfo) -> bool {
+fn has_one_stage(method: &&MethodInfo) -> bool {
     method.name != "unified" && method.read_parameters().iter().any(|p| p.name == "stage")
 }
 
@@ -170,16 +170,16 @@ fn every_method_makes_the_same_images_in_either_stage() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
     let mut shown = BTreeMap::new();
-    // An instrumented shader compiles for half a minute. A driver may compile a shader anew for sides that are powers of two, so
-    // that only what must have one has it: an image of one column, and the one texel, whose chains have a single level.
+    // An instrumented shader compiles for half a minute. A driver may compile each shader anew for a side that is a
+    // power of two. Only two sizes have such a side: one column, and one texel, whose chains have one level.
     let sizes = if is_gpu_assisted() { &[[33, 18]][..] } else { &[[29, 19], [24, 24], [1, 9], [1, 1]] };
     for (n, extent) in sizes.iter().enumerate() {
         let mut place = Place { stage: &mut stage, camera: clutter_camera(*extent), materials: &materials };
         let is_tried = |method: &&MethodInfo| *extent != [1, 1] || ONE_TEXEL.contains(&method.name);
-        for method in METHODS.iter().filter(is_published).filter(is_tried) {
-            let all = setups(method, *extent);
+        for method in METHODS.iter().filter(has_one_stage).filter(is_tried) {
+            let setups = setups(method, *extent);
             // The other sizes test how workgroups cover an image and its chain, for which one setup is enough.
-            let tried = if n == 0 && !is_gpu_assisted() { &all[..] } else { &all[all.len() - 1..] };
+            let tried = if n == 0 && !is_gpu_assisted() { &setups[..] } else { &setups[setups.len() - 1..] };
             for (setup, wants) in tried {
                 *shown.entry(method.name).or_insert(0) += check_same(&mut place, method, setup, *wants);
                 check_validation(&gpu).unwrap_or_else(|e| panic!("{}, {setup:?}: {e}", method.name));
@@ -199,14 +199,13 @@ fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
     let gpu = gpu();
     let mut scene: Scene = built_in("rooms");
     let view = scene.view("corridor").unwrap().clone();
-    let place = Capture { resolution: 33, ..Capture::placed_at(view.eye + 0.2 * Vec3::Y) };
-    scene.captures = vec![place];
+    scene.captures = vec![Capture { resolution: 33, ..Capture::placed_at(view.eye + 0.2 * Vec3::Y) }];
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &view);
     let extent = [67, 38];
     let mut place = Place { stage: &mut stage, camera: view.camera(&scene, extent), materials: &materials };
-    for (n, setup) in around(extent).iter().enumerate() {
-        // The passes around a method do not depend on it. The others show that each can have some.
+    for (n, setup) in effect_setups(extent).iter().enumerate() {
+        // Passes around a method do not depend on the method, so that one setup alone is tried with three methods.
         let methods = [&thesis::INFO, &sslr::INFO, &dda::INFO];
         for method in &methods[..if n == 1 { 3 } else { 1 }] {
             assert_eq!(check_same(&mut place, method, setup, Wants::REFLECTION), 1, "{setup:?}");
@@ -215,8 +214,8 @@ fn what_stands_around_a_method_makes_the_same_images_in_either_stage() {
     }
     let captured =
         Setup::new(extent).with(|p: &mut EffectParams| p.captures = ssct::methods::setup::CaptureCount::Auto);
-    for method in METHODS.iter().filter(|m| is_published(m) && !m.is_screen_space() && m.unmet_needs(&scene).is_empty())
-    {
+    let sees_scene = |m: &&MethodInfo| has_one_stage(m) && !m.is_screen_space() && m.unmet_needs(&scene).is_empty();
+    for method in METHODS.iter().filter(sees_scene) {
         assert_eq!(check_same(&mut place, method, &captured, Wants::REFLECTION), 1, "{}", method.name);
         check_validation(&gpu).unwrap_or_else(|e| panic!("{}: {e}", method.name));
     }

@@ -42,7 +42,7 @@ fn rooms(view: &str, roughness: f32) -> GBufferData {
 }
 
 /// Returns the reflection that a method makes of a G-buffer, with a camera at rest.
-fn made(data: &GBufferData, method: &str, setup: &Setup) -> Pixels {
+fn reflect(data: &GBufferData, method: &str, setup: &Setup) -> Pixels {
     let gpu = gpu();
     let reflection = gbuffer::reflect(&gpu, data, None, find(method).unwrap(), setup).unwrap().reflection;
     gpu.check_validation().unwrap();
@@ -79,7 +79,7 @@ fn many_rays_by_themselves_come_to_the_screen_reference() {
         let data = rooms(view, roughness);
         let (truth, mask) = (truth(&data, 256), mask(&data));
         let alone = |rays| setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
-        let [one, many] = [1, 64].map(|rays| colors(&made(&data, "stochastic", &alone(rays))));
+        let [one, many] = [1, 64].map(|rays| colors(&reflect(&data, "stochastic", &alone(rays))));
         let [error_of_one, error_of_many] = [&one, &many].map(|image| masked_rmse(&truth, image, &mask));
         println!("{view}, {roughness}: 1 ray {error_of_one:.4}, 64 rays {error_of_many:.4}");
         // 64 independent rays would leave 1 / √64 = 0.125. These rays are spread better, but the reference has noise,
@@ -97,7 +97,7 @@ fn what_pixels_gather_keeps_the_mean_and_lowers_the_error() {
     for (view, roughness) in [("corridor", 0.1), ("window", 0.4)] {
         let data = rooms(view, roughness);
         let (truth, mask) = (truth(&data, 256), mask(&data));
-        let gathered = |n| colors(&made(&data, "stochastic", &setup(|p| p.stochastic_gathered = n)));
+        let gathered = |n| colors(&reflect(&data, "stochastic", &setup(|p| p.stochastic_gathered = n)));
         let [alone, nine] = [1, 9].map(gathered);
         let [error_alone, error_of_nine] = [&alone, &nine].map(|image| masked_rmse(&truth, image, &mask));
         println!("{view}: alone {error_alone:.4}, of nine {error_of_nine:.4}");
@@ -126,19 +126,20 @@ fn mirrors_are_those_of_the_walk_that_is_chosen() {
         (hits, gbuffer::reflection(&mut stage.context, &output).unwrap())
     };
     let exact = setup(|p| p.stochastic_rays = 3);
-    let ((own, color), (unified, unified_color)) = (hits("stochastic", &exact), hits("unified", &exact));
+    let ((own, own_color), (unified, unified_color)) = (hits("stochastic", &exact), hits("unified", &exact));
     assert_eq!(own.values, unified.values);
     // Both methods interpolate the colour of the hit between four texels.
-    let greatest = color.values.iter().zip(&unified_color.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let greatest = own_color.values.iter().zip(&unified_color.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(greatest < 2e-3, "{greatest}");
 
     let thesis = setup(|p| p.stochastic_walk = StochasticWalk::Thesis);
     let ((own, _), (ssct, _)) = (hits("stochastic", &thesis), hits("ssct", &thesis));
-    let all: Vec<_> = own.texels().zip(ssct.texels()).filter(|(_, s)| s[3] > 0.0).collect();
+    let pixels: Vec<_> = own.texels().zip(ssct.texels()).filter(|(_, ssct)| ssct[3] > 0.0).collect();
+    // Path codes must be equal, and places on the screen must be near.
     let near = |a: &[f32], b: &[f32]| a[3] == b[3] && (0..2).all(|i| (a[i] - b[i]).abs() < 1e-3);
-    let same = all.iter().filter(|(a, b)| near(a, b)).count();
+    let same = pixels.iter().filter(|(own, ssct)| near(own, ssct)).count();
     // The two methods round the mirror direction differently, which now and then sends a ray another way.
-    assert!(all.len() > 1000 && same as f64 > 0.98 * all.len() as f64, "{same} of {}", all.len());
+    assert!(pixels.len() > 1000 && same as f64 > 0.98 * pixels.len() as f64, "{same} of {}", pixels.len());
     gpu.check_validation().unwrap();
 }
 
@@ -147,7 +148,7 @@ fn mirrors_are_those_of_the_walk_that_is_chosen() {
 #[test]
 fn frames_without_a_history_are_equal() {
     let data = rooms("corridor", 0.3);
-    let [first, second] = [(), ()].map(|()| made(&data, "stochastic", &setup(|_| {})));
+    let [first, second] = [(), ()].map(|()| reflect(&data, "stochastic", &setup(|_| {})));
     assert_eq!(first.values, second.values);
 }
 
@@ -159,13 +160,13 @@ fn at_rest_a_history_lowers_the_error_of_rays_and_leaves_what_does_not_change() 
     let data = rooms("corridor", 0.3);
     let (truth, mask) = (truth(&data, 256), mask(&data));
     let plain = setup(|p| p.stochastic_gathered = 1);
-    let error = |setup: &Setup| masked_rmse(&truth, &colors(&made(&data, "stochastic", setup)), &mask);
+    let error = |setup: &Setup| masked_rmse(&truth, &colors(&reflect(&data, "stochastic", setup)), &mask);
     let [alone, averaged] = [error(&plain), error(&with_history(&plain, 16))];
     println!("one frame {alone:.4}, sixteen {averaged:.4}");
     assert!(averaged < 0.45 * alone, "{averaged} against {alone}");
 
     let plain = setup(|_| {});
-    let [without, with] = [&plain, &with_history(&plain, 4)].map(|setup| colors(&made(&data, "ssct", setup)));
+    let [without, with] = [&plain, &with_history(&plain, 4)].map(|setup| colors(&reflect(&data, "ssct", setup)));
     let difference = masked_rmse(&without, &with, &mask);
     // The history averages equal images, and rounds the result to 16-bit floats once more.
     assert!(difference < 1e-3, "{difference}");
@@ -203,8 +204,8 @@ fn after_a_cut_nothing_of_the_earlier_frames_is_left() {
     let (alone, _) = frames(&scene, "ssct", &plain, &[back]);
     let (cut, _) = frames(&scene, "ssct", &history, &[ahead, ahead, ahead, back]);
     let (kept, _) = frames(&scene, "ssct", &history, &[back, back, back, back]);
-    let all = vec![true; alone.texels().count()];
-    let [after_cut, at_rest] = [&cut, &kept].map(|image| masked_rmse(&colors(&alone), &colors(image), &all));
+    let every_pixel = vec![true; alone.texels().count()];
+    let [after_cut, at_rest] = [&cut, &kept].map(|image| masked_rmse(&colors(&alone), &colors(image), &every_pixel));
     println!("after a cut {after_cut:.5}, at rest {at_rest:.5}");
     assert!(after_cut < 1e-3 && at_rest < 1e-3, "{after_cut}, {at_rest}");
 }
@@ -259,10 +260,13 @@ fn over_a_fallback_a_history_averages_what_is_there() {
         setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1))
             .with(|p: &mut EffectParams| p.fallback = Fallback::Environment)
     };
-    let image = |setup: &Setup, frame_count| colors(&frames(&scene, "stochastic", setup, &vec![camera; frame_count]).0);
+    let image = |setup: &Setup, frame_count| {
+        let (last, _) = frames(&scene, "stochastic", setup, &vec![camera; frame_count]);
+        colors(&last)
+    };
     let (many, one, averaged) = (image(&over(64), 1), image(&over(1), 1), image(&with_history(&over(1), 16), 16));
-    let all = vec![true; many.len()];
-    let [alone, averaged_error] = [&one, &averaged].map(|image| masked_rmse(&many, image, &all));
+    let every_pixel = vec![true; many.len()];
+    let [alone, averaged_error] = [&one, &averaged].map(|image| masked_rmse(&many, image, &every_pixel));
     println!("over the environment: one frame {alone:.4}, sixteen {averaged_error:.4}");
     assert!(averaged_error < 0.45 * alone, "{averaged_error} against {alone}");
     // The usual bounds of a history cut off the rare rays that find the bright sky. Wide bounds keep the mean.

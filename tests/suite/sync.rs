@@ -16,8 +16,8 @@ fn the_table_is_what_the_specification_asks_for() {
             | A::ACCELERATION_STRUCTURE_WRITE_KHR
             | A::TRANSFER_WRITE;
         assert_eq!(info.writes, info.access.intersects(write_bits), "{access:?}");
-        // Every access flag belongs to one of its stages (Vulkan 1.3, table 4).
-        let pairs = [
+        // The stages that may make an access (Vulkan 1.3, table 4).
+        let flags_and_stages = [
             (A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE, S::COLOR_ATTACHMENT_OUTPUT),
             (
                 A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
@@ -35,7 +35,7 @@ fn the_table_is_what_the_specification_asks_for() {
             (A::INDIRECT_COMMAND_READ, S::DRAW_INDIRECT),
             (A::HOST_READ, S::HOST),
         ];
-        for (flags, stages) in pairs {
+        for (flags, stages) in flags_and_stages {
             if info.access.intersects(flags) {
                 assert!(info.stages.intersects(stages), "{access:?}: {flags:?} without {stages:?}");
             }

@@ -38,6 +38,7 @@ fn rows(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
 #[test]
 fn the_columns_are_those_that_the_definitions_explain() {
     let (folder, section) = (run(), section());
+    // The first six columns of medians, from the scene to the method, need no explanation of their own.
     for name in PLACE.iter().chain(&MEASURED).chain(&MEDIAN_COLUMNS[6..]).chain(&[SAMPLES, MEDIANS]) {
         assert!(section.contains(name), "{name}");
     }
@@ -144,7 +145,9 @@ fn a_size_without_a_row_stands_beside_one_that_has() {
             .unwrap_or_else(|| panic!("{size}: {printed_table}"));
         line[size.len()..].split_whitespace().map(str::to_owned).collect::<Vec<_>>()
     };
-    let [printed, own] = ["640 x 480", "66 x 37"].map(row);
-    assert_eq!((&*printed[1], &*own[1], &*own[3], &*own[5]), ("0.81", "-", "-", "-"), "{printed_table}");
-    assert!(own[2].parse::<f64>().is_ok() && own[6].parse::<f64>().is_ok(), "{printed_table}");
+    // After its size, a row has the roughness, the thesis's and the measured time of each method, and both quotients.
+    let [with_row, without] = ["640 x 480", "66 x 37"].map(row);
+    let of_thesis = (&*with_row[1], &*without[1], &*without[3], &*without[5]);
+    assert_eq!(of_thesis, ("0.81", "-", "-", "-"), "{printed_table}");
+    assert!(without[2].parse::<f64>().is_ok() && without[6].parse::<f64>().is_ok(), "{printed_table}");
 }

@@ -54,8 +54,8 @@ fn without_normal_maps_the_geometry_is_what_shades() {
 /// Returns the share of displaced pixels that show the reflection of the pixel to which the bump displaces them.
 ///
 /// `flat` is the frame without bumps after the tracing, `bumped` the frame with them, and `geometric` the image of
-/// geometric normals. With `y` = 1, bumps displace downwards in the image, and with `y` = −1 upwards.
-fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y: f32) -> f64 {
+/// geometric normals. `y_sign` is 1 for the right sign of vertical displacements, and −1 for the wrong one.
+fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y_sign: f32) -> f64 {
     let (reflection, material, shading) = (flat.get("reflection"), flat.get("material"), flat.get("normal"));
     let [width, height] = [reflection.width, reflection.height];
     let normal = |image: &Pixels, x, y| Vec3::from_slice(&image.texel(x, y)[..3]);
@@ -69,7 +69,7 @@ fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y:
         let displaced_coordinate = |coordinate: u32, shift_px: f32, side: u32| {
             ((coordinate as f32 + 0.5 + shift_px).floor().clamp(0.0, side as f32 - 1.0)) as u32
         };
-        let (x, y) = (displaced_coordinate(x0, shift.x, width), displaced_coordinate(y0, -shift.y * y, height));
+        let (x, y) = (displaced_coordinate(x0, shift.x, width), displaced_coordinate(y0, -shift.y * y_sign, height));
         if (x, y) != (x0, y0) && material.texel(x, y)[0] > 1e-4 && normal(geometric, x, y).dot(traced) > 0.9 {
             moved += 1;
             right += usize::from(bumped.get("reflection").texel(x0, y0) == reflection.texel(x, y));
@@ -94,7 +94,7 @@ fn bumps_after_the_tracing_displace_reflections_by_what_normal_maps_bend() {
         let image =
             |bump| show(&gpu, &scene, view, method, &setup(extent, TraceNormals::Geometric, bump), &globals_with(1.0));
         let (flat, bumped) = (image(0.0), image(strength));
-        let right_share = |y| displaced(&flat, &bumped, plain.get("normal"), strength, y);
+        let right_share = |y_sign| displaced(&flat, &bumped, plain.get("normal"), strength, y_sign);
         let (right, upside_down) = (right_share(1.0), right_share(-1.0));
         println!("{method}: {right} of the displaced pixels are right, {upside_down} if up were down");
         // Normals found from depth are rounded, so that some land a pixel beside.
@@ -113,9 +113,9 @@ fn what_cannot_have_other_normals_says_so() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let view = clutter_camera([16, 16]);
     let mut refuse = |method: &str, setup: &Setup, reason: &str| {
-        let made =
+        let shot =
             Shot::new(&mut stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone());
-        let Err(Error::Usage(message)) = made else { panic!("{method} took it") };
+        let Err(Error::Usage(message)) = shot else { panic!("{method} took it") };
         assert!(message.contains(reason), "{message}");
     };
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {

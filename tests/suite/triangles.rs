@@ -76,7 +76,7 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
     let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
     let shown = FirstHits::shown(&world, data);
     let eye = data.camera.eye();
-    let (mut rays_seen, mut wrong) = (0, 0);
+    let (mut rays, mut wrong) = (0, 0);
     for (i, found) in drawn.hits.texels().enumerate() {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
@@ -85,12 +85,13 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
         if !matches!(code, Some(PathCode::Triangle | PathCode::Sky)) {
             continue;
         }
-        rays_seen += 1;
+        rays += 1;
         let direction = view_to_world.transform_vector3(direction).normalize();
         let ray = WorldRay { origin: receiver.position, direction, t_min: 1e-3, t_max: f64::INFINITY };
         let is_right = match (world.closest(&ray), code) {
             (None, code) => code == Some(PathCode::Sky),
             (Some(hit), Some(PathCode::Triangle)) => {
+                // Hits among triangles are stored relative to the eye.
                 let hit_position = (eye + Vec3::from_slice(found)).as_dvec3();
                 hit_position.distance(ray.point_at(hit.t)) <= 0.02 + 0.005 * hit.t
             }
@@ -98,7 +99,7 @@ pub(crate) fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]
         };
         wrong += usize::from(!is_right);
     }
-    (rays_seen, wrong)
+    (rays, wrong)
 }
 
 /// In four views, at most one mirror ray of `traced` in 200 ends elsewhere than the 64-bit hierarchy says. A device
@@ -127,9 +128,9 @@ fn the_screen_and_the_triangles_agree() {
     let gpu = gpu();
     let scene = crate::common::built_in("rooms");
     let materials = mirrors(&scene, "corridor");
-    let draw_traced_first =
+    let drawn_with =
         |first| draw(&gpu, (&scene, "corridor"), materials.clone(), (&methods::unified::INFO, &beyond(first)), false);
-    let (screen, triangles) = (draw_traced_first(FirstTraced::Screen), draw_traced_first(FirstTraced::Triangles));
+    let (screen, triangles) = (drawn_with(FirstTraced::Screen), drawn_with(FirstTraced::Triangles));
     let (rays, wrong) = against_world(&screen, &scene, &materials);
     assert!(rays > 1000 && wrong * 50 <= rays, "{wrong} of {rays} end elsewhere");
     let has = |drawn: &Drawn, pass: &str| drawn.recorded.iter().any(|p| p.starts_with(pass));
@@ -177,8 +178,8 @@ fn without_reflectors_no_triangle_is_asked() {
     assert!(report.recorded.iter().all(|p| scene_passes.contains(&p.as_str())), "{:?}", report.recorded);
 }
 
-/// Methods among triangles prepare as many bytes when they share one scene, in either order, as each does alone. Without
-/// this, the second method would seem to need no triangles.
+/// Methods among triangles prepare as many bytes when they share one scene, in either order, as each does alone. The
+/// second method would otherwise seem to need no triangles.
 #[test]
 fn the_triangles_of_a_scene_count_as_prepared_for_each_method_that_uses_them() {
     let gpu = gpu();
@@ -214,8 +215,8 @@ fn a_g_buffer_alone_has_no_triangles() {
     let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
     let no_scene: Option<&SceneInput> = None;
     for (method, setup) in [(traced(), Setup::new(EXTENT)), (&methods::unified::INFO, beyond(FirstTraced::Auto))] {
-        let made = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, no_scene);
-        let message = made.err().expect("refused").to_string();
+        let effect = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, no_scene);
+        let message = effect.err().expect("refused").to_string();
         assert!(message.contains(method.name) && message.contains("G-buffer alone"), "{message}");
     }
 }

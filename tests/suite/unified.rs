@@ -180,8 +180,9 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
     [[5, 2100], [3, 4200]].into_iter().filter(fits).for_each(|extent| add(&random_gbuffer(0, extent)));
     check_validation(&gpu).unwrap();
     println!("pixels, hits and blocks met from behind by version of the oracle: {totals:?}, 0 ULP");
-    assert!(totals.iter().all(|t| t[1] > t[0] / 10), "{totals:?}");
-    assert!(totals[0][2] == 0 && totals[1][2] > totals[1][1] / 100, "{totals:?}");
+    assert!(totals.iter().all(|[pixels, hits, _]| *hits > pixels / 10), "{totals:?}");
+    let [[_, _, behind_v1], [_, hits_v2, behind_v2]] = totals;
+    assert!(behind_v1 == 0 && behind_v2 > hits_v2 / 100, "{totals:?}");
 }
 
 /// The block of parameters that the device gets is the twin's at every size. A difference would move every hit.
@@ -201,8 +202,7 @@ fn the_parameters_are_the_twins() {
 
 /// Returns the materials of a view as mirrors without bumps.
 pub(crate) fn flat_mirrors(scene: &Scene, view: &View) -> Vec<Material> {
-    let globals = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
-    globals.materials(scene, view)
+    Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
 }
 
 /// Compares the hits of a view with the oracle's. Returns their agreement, the share of misses whose path code is the
@@ -361,12 +361,12 @@ impl Corridor {
     }
 
     /// Records the method alone in a frame, without a sky. Returns its reflection, and the composite if it makes one.
-    fn made(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
-        self.made_under(None, context, method, gbuffer)
+    fn draw(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
+        self.draw_under(None, context, method, gbuffer)
     }
 
-    /// Does what [`Self::made`] does under a sky.
-    fn made_under(
+    /// Does what [`Self::draw`] does under a sky.
+    fn draw_under(
         &self,
         sky: Option<&Image>,
         context: &mut FrameContext,
@@ -400,7 +400,7 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
         let [alone, over] = [Fallback::None, Fallback::Environment].map(|fallback| {
             let setup = plain.with(|p: &mut EffectParams| p.fallback = fallback);
             let method = unified::INFO.make_alone(&gpu, &setup, Wants::REFLECTION).unwrap();
-            corridor.made(&mut stage.context, &*method, shot.gbuffer.gbuffer()).0
+            corridor.draw(&mut stage.context, &*method, shot.gbuffer.gbuffer()).0
         });
         let (mut pixels, mut partly_missed) = (0, 0);
         for (a, o) in alone.texels().zip(over.texels()).filter(|(a, _)| a[3] > 0.999) {
@@ -429,23 +429,24 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
         let materials = corridor.materials(roughness);
         let shot = shot(&mut stage, Wants::REFLECTION, (camera, extent), materials);
         stage.run(&shot, Mode::Plain).unwrap();
-        let all = gbuffer::read(&mut stage.context, &shot).unwrap();
+        let whole = gbuffer::read(&mut stage.context, &shot).unwrap();
         // Every other tile reflects, so that drawn tiles border on tiles that are not drawn, and one lone pixel.
-        let mut part = all.clone();
+        let mut part = whole.clone();
         for (i, reflectivity) in part.reflectivity.iter_mut().enumerate() {
             let (x, y) = (i % 127, i / 127);
             let inside = (x / 16 + y / 16) % 2 == 0 || (x, y) == (71, 40);
             *reflectivity *= f32::from(u8::from(inside));
         }
         // The earlier frame is very bright, so that anything left of it would be seen.
-        let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
+        let bright = GBufferData { color: vec![Vec3::splat(1000.0); whole.color.len()], ..whole };
         let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
         let run = |context: &mut FrameContext, frames: &[usize]| {
             let method = unified::INFO.make_alone(&gpu, &Setup::on_screen(extent), Wants::REFLECTION).unwrap();
-            frames.iter().map(|i| corridor.made(context, &*method, images[*i].gbuffer())).last().unwrap()
+            frames.iter().map(|i| corridor.draw(context, &*method, images[*i].gbuffer())).last().unwrap()
         };
         let alone = run(&mut stage.context, &[1]);
-        assert!(alone.0.values.iter().any(|v| *v > 0.01) && alone.1.is_some());
+        let (reflection, composite) = &alone;
+        assert!(reflection.values.iter().any(|v| *v > 0.01) && composite.is_some());
         assert!(run(&mut stage.context, &[0, 1]) == alone, "{roughness}");
     }
     check_validation(&gpu).unwrap();
@@ -460,13 +461,13 @@ fn every_way_to_draw_makes_the_same_image() {
     let _compiled = compiled(&gpu);
     let corridor = Corridor::new();
     let (extent, camera) = (corridor.extent, corridor.camera);
-    let setup = || Setup::on_screen(extent);
+    let setup = Setup::on_screen(extent);
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     let data = SceneData::upload(&mut stage.context, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);
         let images = |stage: &mut Stage, hits: bool, known: bool| {
-            let (setup, wants) = (setup(), Wants { hits, ..Wants::REFLECTION });
+            let wants = Wants { hits, ..Wants::REFLECTION };
             let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
             // With hits, too, the image is drawn whole, so that the compared passes are the timed ones.
@@ -475,8 +476,7 @@ fn every_way_to_draw_makes_the_same_image() {
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
             let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
             let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
-            let sky = Some(data.sky());
-            let (reflection, composite) = corridor.made_under(sky, &mut stage.context, &*method, gbuffer);
+            let (reflection, composite) = corridor.draw_under(Some(data.sky()), &mut stage.context, &*method, gbuffer);
             [composite.unwrap(), reflection]
         };
         let whole = images(&mut stage, false, true);
@@ -488,7 +488,7 @@ fn every_way_to_draw_makes_the_same_image() {
         }
         // If the reflection is not asked for, the finished image is the same.
         let mut composite = |reflection: bool| {
-            let (setup, wants) = (setup(), Wants { reflection, ..Wants::IMAGE });
+            let wants = Wants { reflection, ..Wants::IMAGE };
             let shot = Shot::new(&mut stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (_, _, output) = stage.output(&shot).unwrap();
             assert_eq!(output.traced.reflection.is_some(), reflection);

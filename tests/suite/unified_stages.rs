@@ -27,7 +27,10 @@ const STAGES: [[StageChoice; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fr
 const UNMIXED: usize = 2;
 
 /// The images of a frame, as bits by their names, and the passes that the frame recorded.
-type Made = (Vec<(&'static str, Vec<u32>)>, Vec<String>);
+struct MadeFrame {
+    images: Vec<(&'static str, Vec<u32>)>,
+    passes: Vec<String>,
+}
 
 /// Returns the setup with the kinds of shader for tracing and for gathering. A history has the kind of gathering.
 fn in_stages(setup: &Setup, stages: [StageChoice; 2]) -> Setup {
@@ -36,12 +39,12 @@ fn in_stages(setup: &Setup, stages: [StageChoice; 2]) -> Setup {
 }
 
 /// Checks that the images and the passes of the first `pairs` pairs of stages equal those of fragment shaders.
-fn check_same(case: &str, pairs: usize, mut make: impl FnMut([StageChoice; 2]) -> Made) {
-    let (expected, passes) = make(STAGES[0]);
+fn check_same(case: &str, pairs: usize, mut make: impl FnMut([StageChoice; 2]) -> MadeFrame) {
+    let MadeFrame { images: expected, passes } = make(STAGES[0]);
     // Compiling an instrumented shader takes half a minute.
     let tried = &STAGES[1..if is_gpu_assisted() { UNMIXED } else { pairs }];
     for stages in tried {
-        let (found, recorded) = make(*stages);
+        let MadeFrame { images: found, passes: recorded } = make(*stages);
         assert_eq!(found.len(), expected.len(), "{case}, {stages:?}");
         for ((name, found), (_, expected)) in found.iter().zip(&expected) {
             let differing: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
@@ -66,7 +69,7 @@ fn alone(
     images: &GBufferImages,
     (camera, reflectors): (&Camera, Reflectors),
     (setup, wants): (&Setup, Wants),
-) -> Made {
+) -> MadeFrame {
     let method = unified::INFO.make_alone(gpu, setup, wants).unwrap();
     let mut context = FrameContext::new(gpu).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
@@ -81,13 +84,13 @@ fn alone(
     let read = |(name, image): (_, Option<&ssct::gpu::Image>)| {
         image.map(|image| (name, bits(&context.read(image.level(0)).unwrap())))
     };
-    (images.into_iter().filter_map(read).collect(), report.recorded)
+    MadeFrame { images: images.into_iter().filter_map(read).collect(), passes: report.recorded }
 }
 
 /// Returns sizes of images: with sides of one texel, with odd sides, and with more tiles than a row of workgroups has.
 fn sizes() -> Vec<[u32; 2]> {
-    let all = [[1, 1], [1, 37], [53, 1], [2, 2], [5, 3], [16, 16], [66, 65], [161, 97], [641, 359]];
-    all.into_iter().filter(|size| !is_gpu_assisted() || [[5, 3], [66, 65]].contains(size)).collect()
+    let sizes = [[1, 1], [1, 37], [53, 1], [2, 2], [5, 3], [16, 16], [66, 65], [161, 97], [641, 359]];
+    sizes.into_iter().filter(|size| !is_gpu_assisted() || [[5, 3], [66, 65]].contains(size)).collect()
 }
 
 /// The wanted images, the version of the oracle, and the fallback of each way in which a G-buffer is drawn.
@@ -114,7 +117,8 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
             cases.push((format!("{extent:?} whole, roughness {roughness}"), data, known));
         }
         for block in [1, 5, 24] {
-            let data = mixed(&cases[2].1, block);
+            let (_, wide_lobes, _) = &cases[2];
+            let data = mixed(wide_lobes, block);
             cases.push((format!("{extent:?} over tiles, mixed in blocks of {block}"), data, Reflectors::UNKNOWN));
         }
         // The other sizes test how tiles and workgroups cover an image, for which one way is enough.
@@ -128,7 +132,8 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
                 let pairs = if extent == [66, 65] { STAGES.len() } else { UNMIXED };
                 check_same(&format!("{name}, {oracle:?}, {fallback:?}, {wants:?}"), pairs, |stages| {
                     let made = alone(&gpu, &images, (&data.camera, *reflectors), (&in_stages(&setup, stages), *wants));
-                    let lit = made.0.iter().any(|(name, bits)| *name == "reflection" && bits.iter().any(|b| *b != 0));
+                    let lit =
+                        made.images.iter().any(|(name, bits)| *name == "reflection" && bits.iter().any(|b| *b != 0));
                     shown[usize::from(*reflectors == Reflectors::UNKNOWN)] += usize::from(lit);
                     made
                 });
@@ -146,7 +151,7 @@ fn effect(
     (scene, view): (&Scene, &str),
     setup: &Setup,
     (roughness, frames): (Option<f32>, usize),
-) -> Made {
+) -> MadeFrame {
     let view = scene.view(view).unwrap();
     let materials = Globals { roughness, ..Globals::default() }.materials(scene, view);
     let camera = view.camera(scene, setup.extent);
@@ -158,7 +163,8 @@ fn effect(
     let reflection = bits(&gbuffer::reflection(&mut stage.context, &output).unwrap());
     let composite = bits(&stage.context.read(output.composite.level(0)).unwrap());
     let hits = bits(&stage.context.read(output.traced.hits.unwrap().0.all()).unwrap());
-    (vec![("composite", composite), ("reflection", reflection), ("hits", hits)], report.recorded)
+    let images = vec![("composite", composite), ("reflection", reflection), ("hits", hits)];
+    MadeFrame { images, passes: report.recorded }
 }
 
 /// With captures, fallbacks, a history and two bounces in the street, at four roughnesses, all pairs of kinds of shader
@@ -184,16 +190,16 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
         ("a history", |p| (p.history, p.history_frames) = (HistoryUse::On, 4), 3),
         ("two bounces", |p| p.bounces = 2, 1),
     ];
-    let take = if is_gpu_assisted() { 1 } else { cases.len() };
-    for (name, change, frames) in &cases[..take] {
+    let case_count = if is_gpu_assisted() { 1 } else { cases.len() };
+    for (name, change, frames) in &cases[..case_count] {
         for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
             let setup = Setup::on_screen([127, 61]).with(change);
             // The street's own materials have all kinds of lobes.
             let pairs = if roughness.is_none() { STAGES.len() } else { UNMIXED };
             check_same(&format!("{name}, roughness {roughness:?}"), pairs, |stages| {
                 let made = effect(&mut stage, (&scene, "puddles"), &in_stages(&setup, stages), (roughness, *frames));
-                let follows = made.1.iter().any(|pass| pass.starts_with("follow"));
-                assert_eq!(follows, name.starts_with("captures"), "{:?}", made.1);
+                let follows = made.passes.iter().any(|pass| pass.starts_with("follow"));
+                assert_eq!(follows, name.starts_with("captures"), "{:?}", made.passes);
                 made
             });
             check_validation(&gpu).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -215,8 +221,8 @@ fn among_triangles_both_stages_see_the_same_on_the_screen() {
             let pairs = if roughness.is_none() { STAGES.len() } else { UNMIXED };
             check_same(&format!("{hit_color:?}, roughness {roughness:?}"), pairs, |stages| {
                 let made = effect(&mut stage, (&scene, "puddles"), &in_stages(&setup, stages), (roughness, 1));
-                let has_chain = made.1.iter().any(|pass| pass.starts_with("color"));
-                assert_eq!(has_chain, hit_color == HitColor::Screen, "{:?}", made.1);
+                let has_chain = made.passes.iter().any(|pass| pass.starts_with("color"));
+                assert_eq!(has_chain, hit_color == HitColor::Screen, "{:?}", made.passes);
                 made
             });
             check_validation(&gpu).unwrap_or_else(|e| panic!("{hit_color:?}: {e}"));

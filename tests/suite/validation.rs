@@ -36,8 +36,8 @@ fn choices(method: &MethodInfo, setup: &Setup) -> Vec<(&'static str, String)> {
     values(method, setup, |value| !matches!(value, Value::Number(_)))
 }
 
-/// Returns setups of a method with the wanted images: all modes at the middle size if the method sees the screen alone,
-/// and else one setup.
+/// Returns setups of a method for a size in pixels, with the wanted images. A method that sees the screen alone has all
+/// its modes at the middle size, and one setup at the others. All other methods have one setup.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     use StageChoice::{Compute, Fragment};
     let usual = if method.is_screen_space() { Setup::on_screen(extent) } else { Setup::new(extent) };
@@ -166,6 +166,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         println!("skipped: SSCT_GPU_AV is not 1");
         return;
     }
+    // Returns the messages about a shader whose buffer of counts has so many bytes.
     let violations = |bytes: u64| {
         let gpu = own_gpu();
         let material = Image::target(&gpu, "material", vk::Format::R16G16_SFLOAT, [4, 4]).unwrap();

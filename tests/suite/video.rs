@@ -6,12 +6,12 @@ use serde_json::Value;
 use std::fs::File;
 
 /// The options of a small view of the rooms.
-const STAGE: [&str; 11] =
+const SMALL_VIEW: [&str; 11] =
     ["--scene", "rooms", "--view", "corridor", "--size", "96x54", "--roughness", "0.1", "--rays", "4", "--json"];
 
 /// Returns the records of a command on the small view.
 fn records(folder: &Folder, command: &str, more: &[&str]) -> Vec<Value> {
-    serde_json::from_str(&folder.succeed(&[&[command], &STAGE[..], more].concat())).unwrap()
+    serde_json::from_str(&folder.succeed(&[&[command], &SMALL_VIEW[..], more].concat())).unwrap()
 }
 
 /// Returns the records of `ssct video` on the small view.
@@ -114,7 +114,7 @@ fn what_cannot_be_filmed_is_refused_in_a_sentence() {
         (&["--moving", "ball"], "--step"),
         (&["--step", "1,0,0"], "--moving"),
     ] {
-        let output = folder.run(&[&["video"], &STAGE[..], flags].concat());
+        let output = folder.run(&[&["video"], &SMALL_VIEW[..], flags].concat());
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && errors.contains(expected), "{flags:?}: {errors}");
     }

@@ -24,19 +24,19 @@ struct ReferenceAndDevice {
 }
 
 /// Returns the corridor of the rooms, with a strength of normal maps and with or without images.
-fn both(normal_deviation: f32, maps: bool) -> ReferenceAndDevice {
+fn see_rooms(normal_deviation: f32, has_maps: bool) -> ReferenceAndDevice {
     let scene = crate::common::built_in("rooms");
     let view = scene.view("corridor").expect("a view of the rooms");
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(normal_deviation) };
     let mut materials = globals.materials(&scene, view);
-    if !maps {
+    if !has_maps {
         materials.iter_mut().for_each(|m| (m.albedo_map, m.normal_map) = (None, None));
     }
-    both_of(&scene, materials)
+    see(&scene, materials)
 }
 
 /// Returns the corridor of a scene, with some materials.
-fn both_of(scene: &Scene, materials: Vec<Material>) -> ReferenceAndDevice {
+fn see(scene: &Scene, materials: Vec<Material>) -> ReferenceAndDevice {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let camera = scene.view("corridor").expect("a view of the rooms").camera(scene, SIZE);
     let mut stage = Stage::new(&gpu, scene).expect("device memory");
@@ -68,13 +68,13 @@ fn both_of(scene: &Scene, materials: Vec<Material>) -> ReferenceAndDevice {
 
 /// Returns whether a pixel and its eight neighbours lie on one smooth surface. On a plane, 1/z is linear in the image,
 /// so that its second differences are small away from silhouettes and edges.
-fn inside_a_surface(both: &ReferenceAndDevice, x: u32, y: u32) -> bool {
+fn inside_a_surface(seen: &ReferenceAndDevice, x: u32, y: u32) -> bool {
     if x == 0 || y == 0 || x + 1 == SIZE[0] || y + 1 == SIZE[1] {
         return false;
     }
     let inverse_z = |dx: i32, dy: i32| {
-        let index = both.gbuffer.index((x as i32 + dx) as u32, (y as i32 + dy) as u32);
-        1.0 / both.first_hits.view_z_m[index]
+        let index = seen.gbuffer.index((x as i32 + dx) as u32, (y as i32 + dy) as u32);
+        1.0 / seen.first_hits.view_z_m[index]
     };
     let second_difference = |dx, dy| (inverse_z(dx, dy) + inverse_z(-dx, -dy) - 2.0 * inverse_z(0, 0)).abs();
     inverse_z(0, 0) > 0.0
@@ -85,16 +85,16 @@ fn inside_a_surface(both: &ReferenceAndDevice, x: u32, y: u32) -> bool {
 /// less than 1e-4 of the depth. A wrong projection or transform would differ everywhere.
 #[test]
 fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
-    let both = both(0.0, false);
-    let clip_to_view = both.camera.view_to_clip_reversed().as_dmat4().inverse();
+    let seen = see_rooms(0.0, false);
+    let clip_to_view = seen.camera.view_to_clip_reversed().as_dmat4().inverse();
     let (mut compared, mut worst) = (0, 0.0_f64);
-    for index in 0..both.gbuffer.depth.len() {
+    for index in 0..seen.gbuffer.depth.len() {
         let (x, y) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
-        if !inside_a_surface(&both, x, y) {
+        if !inside_a_surface(&seen, x, y) {
             continue;
         }
-        let z = clip_to_view.project_point3(DVec3::new(0.0, 0.0, f64::from(both.gbuffer.depth[index]))).z;
-        worst = worst.max((z / both.first_hits.view_z_m[index] - 1.0).abs());
+        let z = clip_to_view.project_point3(DVec3::new(0.0, 0.0, f64::from(seen.gbuffer.depth[index]))).z;
+        worst = worst.max((z / seen.first_hits.view_z_m[index] - 1.0).abs());
         compared += 1;
     }
     eprintln!("{compared} pixels, greatest relative difference of depth {worst:.2e}");
@@ -103,11 +103,11 @@ fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
 }
 
 /// Returns for each pixel the greatest difference of a channel of the lit colour, in rising order.
-fn differences(both: &ReferenceAndDevice) -> Vec<f32> {
-    let pairs = both.gbuffer.color.iter().zip(&both.first_hits.lit);
-    let mut all: Vec<f32> = pairs.map(|(gpu, cpu)| (*gpu - *cpu).abs().max_element()).collect();
-    all.sort_by(f32::total_cmp);
-    all
+fn differences(seen: &ReferenceAndDevice) -> Vec<f32> {
+    let pairs = seen.gbuffer.color.iter().zip(&seen.first_hits.lit);
+    let mut differences: Vec<f32> = pairs.map(|(gpu, cpu)| (*gpu - *cpu).abs().max_element()).collect();
+    differences.sort_by(f32::total_cmp);
+    differences
 }
 
 /// Returns the share of differences within a tolerance.
@@ -120,7 +120,7 @@ fn share_within(tolerance: f32, differences: &[f32]) -> f64 {
 #[test]
 fn lit_colour_without_images_agrees_within_half_floats() {
     // The colour is a 16-bit float, which rounds by 0.0005 near 1. Larger differences lie at silhouettes.
-    let differences = differences(&both(0.0, false));
+    let differences = differences(&see_rooms(0.0, false));
     let (median, share) = (differences[differences.len() / 2], share_within(1e-3, &differences));
     eprintln!("median {median:.1e}, within 0.001: {share:.4}");
     assert!(median < 3e-4, "{median}");
@@ -143,16 +143,17 @@ fn emission_roughness_maps_and_single_sides_agree() {
         (material.albedo_map, material.normal_map) = (map, None);
         (material.emission, material.roughness, material.roughness_map) = (0.5, 0.5, map);
     }
-    let share = |tolerance: f32, materials: &[Material]| {
-        let both = both_of(&scene, materials.to_vec());
-        (share_within(tolerance, &differences(&both)), both)
+    let see_with = |materials: &[Material], tolerance: f32| {
+        let seen = see(&scene, materials.to_vec());
+        (share_within(tolerance, &differences(&seen)), seen)
     };
     let mut plain = materials.clone();
     plain.iter_mut().for_each(|m| (m.albedo_map, m.roughness_map) = (None, None));
     // The albedo buffer stores emission in 102 steps, so that it is rounded by up to 5e-3.
-    assert!(share(5e-3, &plain).0 > 0.99);
+    let (alike, _) = see_with(&plain, 5e-3);
+    assert!(alike > 0.99, "{alike}");
     // With the map, the two differ by their filters, as in the test below.
-    let (alike, whole) = share(0.08, &materials);
+    let (alike, whole) = see_with(&materials, 0.08);
     assert!(alike > 0.9, "{alike}");
     let pairs = || whole.gbuffer.roughness.iter().zip(&whole.first_hits.receivers);
     let alike = pairs().filter(|(gpu, cpu)| cpu.is_some_and(|r| (r.roughness - f64::from(**gpu)).abs() < 0.05)).count();
@@ -163,10 +164,10 @@ fn emission_roughness_maps_and_single_sides_agree() {
         mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
         mesh.vertices.iter_mut().for_each(|v| v.normal = v.normal.map(|n| -n));
     }
-    let covered_pixels = |both: &ReferenceAndDevice| both.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
-    assert_eq!(covered_pixels(&both_of(&scene, materials.clone())), covered_pixels(&whole));
+    let covered_pixels = |seen: &ReferenceAndDevice| seen.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
+    assert_eq!(covered_pixels(&see(&scene, materials.clone())), covered_pixels(&whole));
     materials.iter_mut().for_each(|m| m.single_sided = true);
-    let turned_away = both_of(&scene, materials);
+    let turned_away = see(&scene, materials);
     assert!(
         covered_pixels(&turned_away) < covered_pixels(&whole) / 2,
         "{} of {}",
@@ -185,7 +186,7 @@ fn lit_colour_with_images_agrees_but_for_their_filtering() {
     // The GPU reads mip levels over the pixel's footprint, and the reference reads the finest level at the pixel's
     // centre. At this size, they differ by the contrast of the images' details.
     for deviation in [0.0, 1.0] {
-        let differences = differences(&both(deviation, true));
+        let differences = differences(&see_rooms(deviation, true));
         let (median, share) = (differences[differences.len() / 2], share_within(0.08, &differences));
         eprintln!("deviation {deviation}: median {median:.4}, within 0.08: {share:.4}");
         assert!(median < 0.012, "{median}");
@@ -198,13 +199,13 @@ fn lit_colour_with_images_agrees_but_for_their_filtering() {
 #[test]
 fn normals_agree_and_face_the_camera() {
     // With normal maps, the device reads mip levels and the reference the finest level.
-    for (deviation, maps, percentile, least_cosine) in [(0.0, false, 1, 0.999_99), (1.0, true, 25, 0.98)] {
-        let both = both(deviation, maps);
-        let world_to_view = both.camera.world_to_view.as_dmat4();
-        let mut cosines: Vec<f64> = (0..both.gbuffer.depth.len())
+    for (deviation, has_maps, percentile, least_cosine) in [(0.0, false, 1, 0.999_99), (1.0, true, 25, 0.98)] {
+        let seen = see_rooms(deviation, has_maps);
+        let world_to_view = seen.camera.world_to_view.as_dmat4();
+        let mut cosines: Vec<f64> = (0..seen.gbuffer.depth.len())
             .filter_map(|i| {
-                let cpu = world_to_view.transform_vector3(both.first_hits.receivers[i]?.normal);
-                both.gbuffer.reflects(i).then(|| cpu.dot(both.gbuffer.normal[i].as_dvec3().normalize()))
+                let cpu = world_to_view.transform_vector3(seen.first_hits.receivers[i]?.normal);
+                seen.gbuffer.reflects(i).then(|| cpu.dot(seen.gbuffer.normal[i].as_dvec3().normalize()))
             })
             .collect();
         cosines.sort_by(f64::total_cmp);
@@ -218,11 +219,10 @@ fn normals_agree_and_face_the_camera() {
 /// above it. Points from rounded depths lie beside the surface, where a ray would meet it at once.
 #[test]
 fn mirror_rays_do_not_meet_the_surface_that_they_leave() {
-    let both = both(0.0, true);
-    let shown = &both.shown;
+    let seen = see_rooms(0.0, true);
     let (mut rays, mut visible, mut furthest_off) = (0, 0, 0.0_f64);
-    for (i, hit) in both.hits.iter().enumerate() {
-        let (Some(start), Some(surface)) = (shown.receivers[i], both.first_hits.receivers[i]) else { continue };
+    for (i, hit) in seen.hits.iter().enumerate() {
+        let (Some(start), Some(surface)) = (seen.shown.receivers[i], seen.first_hits.receivers[i]) else { continue };
         rays += 1;
         if let WorldHit::Hit { position, visible: is_visible, .. } = *hit {
             visible += u32::from(is_visible);

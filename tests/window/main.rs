@@ -74,8 +74,8 @@ impl Drop for Xvfb {
     }
 }
 
-/// Returns the bits of an image's values. The files themselves may differ, since an EXR's chunks are written in the
-/// order in which threads finish them.
+/// Returns the values of a PNG, 0 to 255, or the bits of an EXR's floats. The files themselves may differ, since an
+/// EXR's chunks are written in the order in which threads finish them.
 fn values(path: &Path) -> Vec<u32> {
     if path.extension().is_some_and(|e| e == "png") {
         return image::open(path).unwrap().to_rgb8().iter().map(|v| u32::from(*v)).collect();
@@ -110,9 +110,10 @@ fn what_the_window_shows_is_what_render_renders() {
         let shown = view(folder.path(), Some(&server.display), &[&shot[..], &[&format!("view-{name}")]].concat());
         assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
         images::write_image(&folder.path().join(format!("render-{name}")), &composite).unwrap();
-        let [a, b] = ["view", "render"].map(|program| values(&folder.path().join(format!("{program}-{name}"))));
-        assert!(a.len() >= 320 * 200 * 3 && a.len() == b.len(), "{name}: the sizes differ");
-        assert!(a.iter().zip(&b).all(|(a, b)| a.abs_diff(*b) <= tolerance), "{name}: the images differ");
+        let [viewed, rendered] =
+            ["view", "render"].map(|program| values(&folder.path().join(format!("{program}-{name}"))));
+        assert!(viewed.len() >= 320 * 200 * 3 && viewed.len() == rendered.len(), "{name}: the sizes differ");
+        assert!(viewed.iter().zip(&rendered).all(|(a, b)| a.abs_diff(*b) <= tolerance), "{name}: the images differ");
     }
 }
 
@@ -122,7 +123,7 @@ fn record(output: &Output) -> serde_json::Value {
     serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()[0].take()
 }
 
-/// Returns the number of different colours in some columns of an image, with 16 shades for each channel.
+/// Returns the number of different colours in a range of columns of an image, with each channel rounded to 16 shades.
 fn colors(image: &image::RgbImage, columns: std::ops::Range<u32>) -> usize {
     let texels = image.enumerate_pixels().filter(|(x, ..)| columns.contains(x));
     texels.map(|(.., p)| p.0.map(|v| v / 16)).collect::<std::collections::HashSet<_>>().len()
@@ -134,7 +135,7 @@ fn colors(image: &image::RgbImage, columns: std::ops::Range<u32>) -> usize {
 fn every_part_of_the_panel_opens_beside_the_picture_and_an_idle_window_submits_nothing() {
     let Some(server) = Xvfb::start("every_part_of_the_panel_opens_beside_the_picture") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let mut seen = Vec::new();
+    let mut screens = Vec::new();
     for panel in ["tune", "live", "inside", "ray", "path", "captures", "shaders"] {
         let file = format!("{panel}.png");
         let idle = ["--validation", "--json", "--frames", "1", "--stay", "0.5", "--panel", panel];
@@ -151,8 +152,8 @@ fn every_part_of_the_panel_opens_beside_the_picture_and_an_idle_window_submits_n
         assert!(colors(&screen, 0..320) > 100 && colors(&screen, 330..660) > 8, "{panel}");
         // The splitting line is white from top to bottom, except where the names stand beside it.
         assert!((40..200).all(|y| screen.get_pixel(160, y).0.iter().all(|v| *v > 250)), "{panel}: no line");
-        assert!(!seen.contains(&screen), "{panel} looks like another part");
-        seen.push(screen);
+        assert!(!screens.contains(&screen), "{panel} looks like another part");
+        screens.push(screen);
     }
 }
 

@@ -28,11 +28,12 @@ impl Compared {
     }
 }
 
-/// Compares hits and colours with the closed form. A colour must agree if the right hit lies more than `margin` pixels
-/// inside its cell.
+/// Compares hits and colours with the closed form. A colour must agree if the expected place lies more than `margin`
+/// pixels inside its cell.
 fn compare(case: &Case, shown: &Shown, margin: f64) -> Compared {
     let (hits, reflection, composite) = (shown.get("hits"), shown.get("reflection"), shown.get("composite"));
     let size = DVec2::new(f64::from(hits.width), f64::from(hits.height));
+    // The lens has a field of view of 74°, so that half of the height is seen under 37°.
     let pixels_a_metre = size.y / (2.0 * (37_f64.to_radians()).tan() * WALL_Z);
     let mut found = Compared { expected: 0, missed: 0, errors: Vec::new(), colored: 0 };
     for (x, y, uv) in reflecting(shown) {

@@ -17,7 +17,7 @@ use ssct_lab::stage::Globals;
 struct RayEndError {
     /// The length from the pixel to the wall.
     wall: f64,
-    /// The length from the pixel to the hit; none for a miss.
+    /// The length from the pixel to the hit, or `None` for a miss.
     hit: Option<f64>,
     /// The distance of a hit from the ray, in pixels.
     beside: f64,
@@ -46,7 +46,7 @@ fn ended(case: &Case, shown: &Shown) -> Vec<RayEndError> {
         let hit = hits.texel(x, y);
         let is_hit = path(hit).is_hit();
         let offset = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2])) - start;
-        let along = offset.dot(direction);
+        let distance = offset.dot(direction);
         let in_pixels = |v: DVec3| (v.truncate() * size).abs().max_element();
         let border = [0, 1].map(|i| {
             let side = if direction[i] > 0.0 { 1.0 } else { 0.0 };
@@ -54,8 +54,8 @@ fn ended(case: &Case, shown: &Shown) -> Vec<RayEndError> {
         });
         ends.push(RayEndError {
             wall: start.distance(expected_end),
-            hit: is_hit.then_some(along),
-            beside: in_pixels(offset - direction * along),
+            hit: is_hit.then_some(distance),
+            beside: in_pixels(offset - direction * distance),
             pixels: in_pixels(start + offset - expected_end),
             depth_slope: direction.z,
             border: border[0].min(border[1]),
@@ -65,8 +65,8 @@ fn ended(case: &Case, shown: &Shown) -> Vec<RayEndError> {
 }
 
 /// Returns the share of rays for which `holds` is true.
-fn share(all: &[RayEndError], holds: impl Fn(&RayEndError) -> bool) -> f64 {
-    all.iter().filter(|e| holds(e)).count() as f64 / all.len() as f64
+fn share(ends: &[RayEndError], holds: impl Fn(&RayEndError) -> bool) -> f64 {
+    ends.iter().filter(|end| holds(end)).count() as f64 / ends.len() as f64
 }
 
 /// A bound in pixels. In 97 of a hundred rays, the slope error of Alg. 2's finite difference stays below it
@@ -97,18 +97,19 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
                 let globals = Globals { roughness: Some(roughness), ..Globals::default() };
                 let shown = show(&gpu, &case.scene(), case.camera(extent), method, &setup, &globals);
                 let name = format!("{method}, {:?}, stride {stride}, roll {roll}, {extent:?}", setup.values.preset);
-                let all = ended(&case, &shown);
+                let ends = ended(&case, &shown);
                 // The side of a pixel, and the slope error of Alg. 2, as lengths.
                 let pixel = 1.0 / f64::from(extent[1]);
                 let slack = SLOPE_PIXELS * pixel;
                 // The first sample behind the wall decides. Rays for which the slack would change the answer are left
                 // out.
-                let sample = |end: &RayEndError| (end.wall / stride).ceil();
+                let steps_to_wall = |end: &RayEndError| (end.wall / stride).ceil();
                 let reached = |end: &RayEndError| {
-                    sample(end) <= steps - slack / stride && sample(end) * stride < end.border - slack
+                    let needed = steps_to_wall(end);
+                    needed <= steps - slack / stride && needed * stride < end.border - slack
                 };
                 let unreached = |end: &RayEndError| end.wall > steps * stride + slack;
-                let beyond = share(&all, |end| unreached(end) && end.hit.is_some());
+                let beyond = share(&ends, |end| unreached(end) && end.hit.is_some());
                 let right = |end: &RayEndError| {
                     let behind = end.hit.map(|hit| hit - end.wall);
                     behind.is_some_and(|distance| {
@@ -116,8 +117,8 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
                     }) && end.beside < SLOPE_PIXELS
                 };
                 let (reached_share, right_share) =
-                    (share(&all, reached), share(&all, |end| reached(end) && right(end)));
-                let mut step_shares: Vec<f64> = all
+                    (share(&ends, reached), share(&ends, |end| reached(end) && right(end)));
+                let mut step_shares: Vec<f64> = ends
                     .iter()
                     .filter(|end| reached(end) && right(end))
                     .filter_map(|end| Some((end.hit? - end.wall) / stride))
@@ -127,7 +128,7 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
                 println!(
                     "{name}: {reached_share:.3} in reach, {right_share:.3} right, {beyond:.3} beyond; median {median:.3} of a step"
                 );
-                assert!(all.len() > 1000 && reached_share > 0.05, "{name}");
+                assert!(ends.len() > 1000 && reached_share > 0.05, "{name}");
                 assert!(right_share > 0.99 * reached_share, "{name}");
                 assert!(beyond < 0.01, "{name}: nothing is hit beyond the last step");
                 // Rays meet the wall anywhere in a step, so that the median is half a step. A stride below two thirds
@@ -152,16 +153,16 @@ fn binary_searches_end_within_epsilon_of_the_wall() {
                 let setup = unfaded(extent).of_preset(preset);
                 let shown = show(&gpu, &case.scene(), case.camera(extent), "linear", &setup, &Globals::default());
                 let name = format!("linear, {preset:?}, roll {roll}, {extent:?}");
-                let all = ended(&case, &shown);
+                let ends = ended(&case, &shown);
                 // The wall has one depth, so that an error of epsilon in depth is an error of epsilon / slope in
                 // length.
                 let is_within = |end: &RayEndError| {
                     end.hit.is_some_and(|hit| (hit - end.wall).abs() * end.depth_slope < 1.05 * epsilon)
                 };
-                let found = share(&all, |end| end.hit.is_some());
-                let right_share = share(&all, |end| is_within(end) && end.beside < SLOPE_PIXELS);
-                println!("{name}: {found:.3} of {} found, {right_share:.3} within epsilon", all.len());
-                assert!(all.len() > 1000 && found > 0.98, "{name}");
+                let found = share(&ends, |end| end.hit.is_some());
+                let right_share = share(&ends, |end| is_within(end) && end.beside < SLOPE_PIXELS);
+                println!("{name}: {found:.3} of {} found, {right_share:.3} within epsilon", ends.len());
+                assert!(ends.len() > 1000 && found > 0.98, "{name}");
                 assert!(right_share > 0.99 * found, "{name}");
             }
         }

@@ -55,7 +55,7 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
     let [ssct, hzct] = ["ssct", "hzct"].map(|m| Ramp::show(&gpu, m, true));
     let (mut away, mut towards, mut on_ceiling, mut red) = (0, 0, 0, 0);
     for (x, y, uv) in reflecting(&ssct) {
-        let (reflected, meets) = Ramp::ray(&ssct, uv);
+        let (reflected, meets_ceiling) = Ramp::ray(&ssct, uv);
         let paths = [&ssct, &hzct].map(|s| path(s.get("hits").texel(x, y)));
         let colors = [&ssct, &hzct].map(|s| s.get("reflection").texel(x, y));
         // The threshold between the two kinds of ray is not at R_z = 0. It is at a V_z of 1e-5, where V_z belongs to a
@@ -69,7 +69,7 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
             assert_eq!(paths[1], PathCode::Untraced, "({x}, {y}), {reflected}");
             assert_eq!(colors[1], [0.0; 4], "hzct is black");
             assert_eq!(hzct.get("composite").texel(x, y)[..3], [0.0; 3], "hzct is black");
-            if meets {
+            if meets_ceiling {
                 on_ceiling += 1;
                 red += usize::from(paths[0] == PathCode::Linear && bytes(colors[0]) == [255, 0, 0]);
             }
@@ -87,7 +87,7 @@ fn rays_towards_the_camera_are_traced_by_ssct_alone() {
 fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
     let gpu = gpu();
     for method in ["ssct", "hzct"] {
-        let (mut none, mut part, mut whole, mut grazing) = (0, 0, 0, 0);
+        let (mut gone, mut partial, mut whole, mut grazing) = (0, 0, 0, 0);
         let case = Case { roll: 0.3 };
         let extent = [320, 240];
         let setup = Setup::new(extent);
@@ -105,18 +105,18 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
                 let mut fade = 1.0 - ((distance - 0.8) / 0.2).clamp(0.0, 1.0);
                 let mut tolerance = 1.0 / 1024.0;
                 if method == "hzct" && is_ramp {
-                    let z = Ramp::ray(shown, uv).0.z;
-                    fade *= (10.0 * z).clamp(0.0, 1.0);
-                    grazing += usize::from(z < 0.09);
+                    let (reflected, _) = Ramp::ray(shown, uv);
+                    fade *= (10.0 * reflected.z).clamp(0.0, 1.0);
+                    grazing += usize::from(reflected.z < 0.09);
                     // A normal in 16-bit floats is off by at most 5e-4, the direction R by twice that, and the fade by
                     // ten times that.
                     tolerance = 0.012;
                 }
-                let found = f64::from(reflection.texel(x, y)[3]);
-                assert!((found - fade).abs() <= tolerance, "{method}, ({x}, {y}): {found} against {fade}");
+                let shown_fade = f64::from(reflection.texel(x, y)[3]);
+                assert!((shown_fade - fade).abs() <= tolerance, "{method}, ({x}, {y}): {shown_fade} against {fade}");
                 if !is_ramp {
-                    none += usize::from(fade == 0.0);
-                    part += usize::from(fade > 0.0 && fade < 1.0);
+                    gone += usize::from(fade == 0.0);
+                    partial += usize::from(fade > 0.0 && fade < 1.0);
                     whole += usize::from(fade == 1.0);
                     let (color, composite) = (reflection.texel(x, y), shown.get("composite").texel(x, y));
                     for c in 0..3 {
@@ -125,7 +125,7 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
                 }
             }
         }
-        assert!(none > 50 && part > 1000 && whole > 1000, "{none} {part} {whole}");
+        assert!(gone > 50 && partial > 1000 && whole > 1000, "{gone} {partial} {whole}");
         assert!(method == "ssct" || grazing > 500, "{grazing}");
     }
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use ssct_scenes::{Light, gltf};
 
 /// Checks that the scene is the unchanged square: sides of 2 by 1 in the xy plane.
-fn is_the_square(scene: &Scene) {
+fn assert_is_square(scene: &Scene) {
     assert!(close(area(scene), 2.0) && scene.triangle_count() == 2, "{}", area(scene));
     let bounds = scene.bounds();
     assert!(
@@ -21,7 +21,7 @@ fn is_the_square(scene: &Scene) {
 /// Checks that the square with a change loads as the square does, with exactly these warnings.
 fn assert_loads_as_square(warnings: &[&str], change: impl FnOnce(&mut Value)) {
     let scene = scene(&square(json!({}), change));
-    is_the_square(&scene);
+    assert_is_square(&scene);
     assert_eq!(sentences(&scene), warnings);
 }
 
@@ -162,7 +162,8 @@ fn numbers_nulls_and_distances_are_read_as_they_are_meant() {
 /// An unknown mode of wrapping textures is read as repetition, with a warning.
 #[test]
 fn unknown_ways_of_repeating_are_plain() {
-    let sampled = |wrap: u32| {
+    // Returns the number of warnings for a mode of wrapping, in which 10497 is repetition.
+    let warning_count = |wrap: u32| {
         let mut document = pictured(
             json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}),
             &[picture(1, 1, |_, _| [9; 4])],
@@ -171,7 +172,7 @@ fn unknown_ways_of_repeating_are_plain() {
         document["textures"][0]["sampler"] = 0.into();
         scene(&document).warnings.len()
     };
-    assert_eq!((sampled(10497), sampled(7)), (0, 1));
+    assert_eq!((warning_count(10497), warning_count(7)), (0, 1));
 }
 
 /// Data addresses in base64 or percent codes, with any case, line breaks and missing padding are read; broken ones are
@@ -235,7 +236,7 @@ fn addresses_that_are_no_files_are_refused() {
     folder.write("100%41.bin", &Square::new().bytes);
     let document = square(json!({}), |d| d["buffers"][0]["uri"] = "100%41.bin".into());
     folder.write("a.gltf", document.to_string().as_bytes());
-    is_the_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
+    assert_is_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
 }
 
 /// Returns the square with a skin of two joints. Every vertex has the two weights; the joints are nodes of their own.
@@ -270,7 +271,7 @@ fn skins_are_placed_by_their_joints() {
     // The node of the mesh is at (0, 50, 0), and moves nothing. Both joints stand where they were bound.
     for weights in [[1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [3.0, 1.0], [0.0, 0.0], [f32::NAN, 1.0]] {
         let scene = placed(weights, |_| ());
-        is_the_square(&scene);
+        assert_is_square(&scene);
         assert_eq!(scene.warnings.len(), 0, "{:?}", scene.warnings);
     }
     // A joint that moved takes its share along.
@@ -283,9 +284,9 @@ fn skins_are_placed_by_their_joints() {
         d["nodes"] = json!([{"mesh": 0, "skin": 0}, {"scale": [0.01, 0.01, 0.01]}, {}, {"children": [0, 1, 2], "scale": [100, 100, 100]}]);
         d["scenes"] = json!([{"nodes": [3]}]);
     };
-    is_the_square(&placed([1.0, 0.0], scaled));
+    assert_is_square(&placed([1.0, 0.0], scaled));
     // The joints are no nodes of the shown scene.
-    is_the_square(&placed([0.5, 0.5], |d| d["scenes"] = json!([{"nodes": [0]}])));
+    assert_is_square(&placed([0.5, 0.5], |d| d["scenes"] = json!([{"nodes": [0]}])));
     // Without matrices, joints are taken as they stand.
     let plain = placed([0.0, 1.0], |d| {
         d["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
@@ -344,7 +345,7 @@ fn the_scale_is_of_every_length() {
         d["extensions"] = json!({"KHR_lights_punctual": {"lights": [
             {"type": "point", "intensity": 64, "range": 20}, {"type": "directional", "intensity": 2},
         ]}});
-        let lamp = |k: u32| json!({"translation": [1, 0.5, 4], "extensions": {"KHR_lights_punctual": {"light": k}}});
+        let lamp = |n: u32| json!({"translation": [1, 0.5, 4], "extensions": {"KHR_lights_punctual": {"light": n}}});
         d["nodes"] = json!([{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}, {"camera": 1}, lamp(0), lamp(1)]);
         d["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
     });
@@ -352,18 +353,18 @@ fn the_scale_is_of_every_length() {
     let loaded = |scale: f32| gltf::load(&folder.path("a.gltf"), &scaled(scale)).unwrap();
     let (whole, small) = (loaded(1.0), loaded(0.125));
     assert_eq!(small.bounds().max, 0.125 * whole.bounds().max);
-    for (a, b) in whole.views.iter().zip(&small.views) {
-        let (lens_a, lens_b) = (a.lens.unwrap(), b.lens.unwrap());
-        assert_eq!((0.125 * a.eye, 0.125 * a.look_at), (b.eye, b.look_at));
-        assert_eq!([0.125 * lens_a.near_m, 0.125 * lens_a.far_m], [lens_b.near_m, lens_b.far_m]);
+    for (view, small_view) in whole.views.iter().zip(&small.views) {
+        let (lens, small_lens) = (view.lens.unwrap(), small_view.lens.unwrap());
+        assert_eq!((0.125 * view.eye, 0.125 * view.look_at), (small_view.eye, small_view.look_at));
+        assert_eq!([0.125 * lens.near_m, 0.125 * lens.far_m], [small_lens.near_m, small_lens.far_m]);
     }
-    let [Light::Point { energy: a, .. }, Light::Directional { energy: sun, .. }] = whole.lights[..] else {
+    let [Light::Point { energy: lamp, .. }, Light::Directional { energy: sun, .. }] = whole.lights[..] else {
         panic!("{:?}", whole.lights)
     };
-    let [Light::Point { energy: b, .. }, Light::Directional { energy: same, .. }] = small.lights[..] else {
+    let [Light::Point { energy: dim_lamp, .. }, Light::Directional { energy: same_sun, .. }] = small.lights[..] else {
         panic!("{:?}", small.lights)
     };
-    assert!(close(a / 64.0, b) && close(sun, same), "an energy is a length squared: {a} {b}");
+    assert!(close(lamp / 64.0, dim_lamp) && close(sun, same_sun), "lamps scale by the square: {lamp} {dim_lamp}");
     assert_eq!(sentences(&whole), ["ranges of lights are not supported; lights reach as far as they fade"]);
 }
 
@@ -407,7 +408,7 @@ fn files_of_other_kinds_are_told_apart() {
 fn byte_order_marks_and_unknown_chunks_are_skipped() {
     let marked = format!("\u{feff}{}", square(json!({}), |_| ()));
     let folder = Folder::new(&[("a.gltf", &marked)]);
-    is_the_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
+    assert_is_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
     // A chunk of another kind before the binary one, and one behind it.
     let glb = binary(Square::new().document(json!({})), &Square::new().bytes);
     let json_end = 20 + u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
@@ -416,21 +417,21 @@ fn byte_order_marks_and_unknown_chunks_are_skipped() {
     let length = (with_chunks.len() as u32).to_le_bytes();
     with_chunks[8..12].copy_from_slice(&length);
     folder.write("a.glb", &with_chunks);
-    is_the_square(&gltf::load(&folder.path("a.glb"), &LoadOptions::default()).unwrap());
+    assert_is_square(&gltf::load(&folder.path("a.glb"), &LoadOptions::default()).unwrap());
 }
 
 /// A primitive without positions is left out with a sentence, and the other primitives are drawn.
 #[test]
 fn primitives_without_positions_are_not_drawn() {
     assert_loads_as_square(&["primitives without positions are not drawn"], |d| {
-        let with = d["meshes"][0]["primitives"][0].clone();
-        let mut without = with.clone();
-        without["attributes"].as_object_mut().unwrap().remove("POSITION");
-        d["meshes"][0]["primitives"] = json!([with, without]);
+        let whole = d["meshes"][0]["primitives"][0].clone();
+        let mut without_positions = whole.clone();
+        without_positions["attributes"].as_object_mut().unwrap().remove("POSITION");
+        d["meshes"][0]["primitives"] = json!([whole, without_positions]);
     });
 }
 
-/// Returns the square's document in which one accessor has other floats.
+/// Returns the square's document in which one accessor has other floats, of the type `kind` of glTF.
 fn with_floats(accessor: usize, kind: &str, floats: &[f32]) -> Value {
     let mut square = Square::new();
     square.floats(kind, floats);
@@ -449,7 +450,7 @@ fn values_that_are_no_numbers_have_a_reading_unless_they_are_places() {
         "VEC3",
         &[[nan, 0.0, 1.0], [0.0, f32::INFINITY, 0.0], [0.0; 3], [0.0, 0.0, 1.0]].concat(),
     ));
-    is_the_square(&scene);
+    assert_is_square(&scene);
     assert_eq!(sentences(&scene), ["normals that are not finite became those of their triangles"]);
     assert!(scene.meshes[0].vertices.iter().all(|v| normal(v) == Vec3::NEG_Z));
     let scene = super::gltf::scene(&with_floats(2, "VEC2", &[nan, 0.0, 1.0, 1.0, f32::INFINITY, 0.0, 0.0, 0.0]));

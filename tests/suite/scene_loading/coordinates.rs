@@ -64,8 +64,10 @@ fn places_are_in_the_coordinates_of_the_files_unless_a_file_says_otherwise() {
 fn a_motion_turns_as_its_coordinates_do() {
     // In a file of either handedness, a quarter turn about +y takes +x to −z, about a pivot at z = 1. Then everything
     // moves by 2 along z.
-    let corner =
-        |scene: &Scene, z: f32| scene.motions[0].placements_at(1.0).next().unwrap().1.place(Vec3::new(1.0, 0.0, z));
+    let corner = |scene: &Scene, z: f32| {
+        let (_, placement) = scene.motions[0].placements_at(1.0).next().unwrap();
+        placement.place(Vec3::new(1.0, 0.0, z))
+    };
     let right = corner(&placed("", PLACES), -1.0);
     assert!(right.distance(Vec3::new(0.0, 0.0, -2.0)) < 1e-5, "z = 1 − 1 + 2 in the file: {right}");
     let left = corner(&placed("coordinates = 'left'\n", PLACES), 1.0);
@@ -131,9 +133,9 @@ fn views_that_see_next_to_nothing_get_a_warning() {
     assert_eq!(folder.warnings(&scene), [wall, roof]);
     // One square makes no room, so that a view may look at the square from anywhere. A view past the square gets a
     // warning.
-    let one = "[[mesh]]\nfile = 'a.obj'\n[view.near]\neye = [0.5, 0.5, 0.2]\nlook_at = [0.5, 0.5, 0]\n";
-    assert!(placed("", one).warnings.is_empty(), "it has no other surface");
-    let past = format!("{one}[view.past]\neye = [0, 0, 2]\nlook_at = [0, 0, 5]\n");
+    let near = "[[mesh]]\nfile = 'a.obj'\n[view.near]\neye = [0.5, 0.5, 0.2]\nlook_at = [0.5, 0.5, 0]\n";
+    assert!(placed("", near).warnings.is_empty(), "it has no other surface");
+    let past = format!("{near}[view.past]\neye = [0, 0, 2]\nlook_at = [0, 0, 5]\n");
     let warnings = placed("coordinates = 'right'\n", &past).warnings;
     assert!(
         matches!(&warnings[..], [only] if only.ends_with("[view.past] sees no surface of the scene")),

@@ -127,10 +127,10 @@ fn an_extension_that_places_geometry_has_a_sentence_of_its_own() {
 #[test]
 fn undeclared_extensions_have_a_sentence() {
     let said = |change: fn(&mut Value)| sentences(&scene(&square(json!({}), change))).join("; ");
-    let both = said(|d| {
+    let undeclared = said(|d| {
         d["materials"][0]["extensions"] = json!({"KHR_materials_sheen": {}, "KHR_materials_ior": {"ior": 1.4}});
     });
-    assert_eq!(both, "the extension KHR_materials_sheen is not supported and was ignored");
+    assert_eq!(undeclared, "the extension KHR_materials_sheen is not supported and was ignored");
     assert_eq!(said(|d| d["nodes"][0]["extras"] = json!({"extensions": {"KHR_materials_sheen": {}}})), "");
 }
 
@@ -153,8 +153,8 @@ fn texture_transforms_turn_as_their_words_say() {
     // The corner has (1, 0). Counter-clockwise, with v downwards, a quarter turn takes it to (0, −1).
     let quarter = json!({"rotation": std::f32::consts::FRAC_PI_2});
     assert!(turned(quarter).abs_diff_eq(Vec2::new(0.0, -1.0), 1e-6));
-    let all = json!({"rotation": std::f32::consts::FRAC_PI_2, "scale": [3, 1], "offset": [0.5, 0.25]});
-    assert!(turned(all).abs_diff_eq(Vec2::new(0.5, -2.75), 1e-6));
+    let whole = json!({"rotation": std::f32::consts::FRAC_PI_2, "scale": [3, 1], "offset": [0.5, 0.25]});
+    assert!(turned(whole).abs_diff_eq(Vec2::new(0.5, -2.75), 1e-6));
     let other = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
         "normalTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}});
     let scene = scene(&pictured(other, &[picture(1, 1, |_, _| [128, 128, 255, 255])]));

@@ -14,8 +14,8 @@ fn square_text(x: f64, y: f64, z: f64, size: f64) -> String {
 
 /// Returns the length of the first edge of each triangle, which rounding would change.
 fn edges(scene: &Scene) -> Vec<f32> {
-    let all = scene.meshes.iter().flat_map(triangles);
-    all.map(|[a, b, _]| position(&a).distance(position(&b))).collect()
+    let triangles = scene.meshes.iter().flat_map(triangles);
+    triangles.map(|[a, b, _]| position(&a).distance(position(&b))).collect()
 }
 
 /// A square of 12 cm at coordinates of a map keeps its edges within 0.1 mm, where a 32-bit float has steps of half a
@@ -34,8 +34,8 @@ fn an_obj_file_of_a_map_keeps_its_details() {
     // Files of one scene are moved together.
     folder.write("b.obj", square_text(456_791.25, 12.5, 5_432_109.75, 0.123).as_bytes());
     let files = ["a.obj", "b.obj"].map(|name| ObjFile::from(folder.path(name)));
-    let both = obj::load(&files, &LEFT).unwrap();
-    let size = both.bounds().max - both.bounds().min;
+    let bounds = obj::load(&files, &LEFT).unwrap().bounds();
+    let size = bounds.max - bounds.min;
     assert!((size.x - 2.123).abs() < 1e-3, "{size}");
 }
 
@@ -50,7 +50,7 @@ fn near_scenes_stay_where_they_are() {
     }
 }
 
-/// Returns the glTF square at a place on the surface of the Earth, with a camera in front of it.
+/// Returns the glTF square, scaled, at a place on the surface of the Earth, with a camera 4 m in front of it.
 fn on_earth(scale: f64) -> Value {
     gltf_square(json!({}), |d| {
         d["nodes"] = json!([

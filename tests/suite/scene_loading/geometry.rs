@@ -97,7 +97,7 @@ fn normals_that_lean_behind_their_face_stay_as_they_are() {
     assert!((normal(&a) - Vec3::new(0.0, 0.99, -0.14).normalize()).length() < 1e-6);
 }
 
-/// Two squares at a right angle along the edge x = 1.
+/// Faces of two squares at a right angle along the edge x = 1: that of `SQUARE`, and one of two further vertices.
 const FOLD: &str = "v 1 0 -1\nv 1 1 -1\nf 1 2 3 4\nf 2 5 6 3\n";
 
 /// Two squares at a right angle without normals have the normals of their faces, for every way to turn smoothing off.
@@ -117,10 +117,10 @@ fn without_smoothing_groups_missing_normals_are_flat() {
 fn in_a_smoothing_group_missing_normals_are_means() {
     let scene = square(&format!("s 1\n{FOLD}")).scene();
     assert_eq!(scene.meshes[0].vertices.len(), 6);
-    let at_edge = scene.meshes[0].vertices.iter().find(|v| v.position == [1.0, 0.0, 0.0]).unwrap();
+    let edge_vertex = scene.meshes[0].vertices.iter().find(|v| v.position == [1.0, 0.0, 0.0]).unwrap();
     assert_sound(&scene);
     // Both squares have a right angle here, however they are cut: the mean is the bisector.
-    assert!((normal(at_edge) - Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt())).length() < 1e-6);
+    assert!((normal(edge_vertex) - Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt())).length() < 1e-6);
     // Only the first word counts, and `on` is a group.
     for group in ["s 1 # one", "s on"] {
         assert_eq!(square(&format!("{group}\n{FOLD}")).scene().meshes[0].vertices.len(), 6, "{group}");
@@ -173,11 +173,11 @@ fn tangents_run_along_u_and_bitangents_up_in_the_image() {
         assert_sound(&scene);
         for [a, b, c] in triangles(&scene.meshes[0]) {
             // Solve the edges for the directions in which u and −v grow.
-            let (e1, e2) = (position(&b) - position(&a), position(&c) - position(&a));
+            let (to_b, to_c) = (position(&b) - position(&a), position(&c) - position(&a));
             let uv = |v: Vertex| Vec2::new(v.uv[0] - a.uv[0], a.uv[1] - v.uv[1]);
-            let (d1, d2) = (uv(b), uv(c));
-            let along_u = (e1 * d2.y - e2 * d1.y) / d1.perp_dot(d2);
-            let up = (e2 * d1.x - e1 * d2.x) / d1.perp_dot(d2);
+            let (uv_b, uv_c) = (uv(b), uv(c));
+            let along_u = (to_b * uv_c.y - to_c * uv_b.y) / uv_b.perp_dot(uv_c);
+            let up = (to_c * uv_b.x - to_b * uv_c.x) / uv_b.perp_dot(uv_c);
             for vertex in [a, b, c] {
                 let tangent = Vec3::from_slice(&vertex.tangent[..3]);
                 let bitangent = vertex.tangent[3] * normal(&vertex).cross(tangent);
@@ -314,9 +314,8 @@ fn the_default_view_sees_things_that_stand_around_an_empty_place() {
 fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     let before = with_a_path(crate::common::built_in("street"));
     let (offset, factor) = (Vec3::new(3.0, -5.0, 7.0), 2.0);
-    let mut moved = before.clone();
+    let (mut moved, mut scaled) = (before.clone(), before.clone());
     moved.translate(offset);
-    let mut scaled = before.clone();
     scaled.scale(factor);
     for scene in [&moved, &scaled] {
         assert_eq!(places(scene).len(), places(&before).len());

@@ -10,12 +10,15 @@ use ssct_scenes::{Lens, Light, Material, Texture, gltf, material_terms::roughnes
 
 /// A square in the xy plane from (0, 0) to (2, 1), seen from +z, with (0, 0) of its texture at the upper left.
 pub struct Square {
+    /// The buffer.
     pub bytes: Vec<u8>,
+    /// The views of the buffer, one for each accessor.
     pub views: Vec<Value>,
     pub accessors: Vec<Value>,
 }
 
 impl Square {
+    /// Makes the four accessors 0 to 3: positions, normals, texture coordinates, indices.
     pub fn new() -> Self {
         let mut square = Self { bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() };
         let position = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -30,12 +33,14 @@ impl Square {
     /// Adds an accessor of 32-bit floats, whose type `kind` is that of glTF.
     pub fn floats(&mut self, kind: &str, values: &[f32]) {
         let sizes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
-        let count = values.len() / sizes.iter().find(|size| size.0 == kind).unwrap().1;
+        let (_, size) = sizes.iter().find(|(name, _)| *name == kind).unwrap();
+        let count = values.len() / *size;
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.accessor(kind, 5126, count, &bytes);
     }
 
-    /// Adds an accessor with its view: the type, the component type and the number of its elements, and its bytes.
+    /// Adds an accessor with its view: the type, the component type and the number of its elements, and its bytes. The
+    /// component type is a number of glTF: 5120 and 5121 are bytes, 5122 and 5123 are 16 bits, 5126 is a float.
     pub fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) {
         self.accessors.push(json!({
             "bufferView": self.views.len(), "componentType": component, "count": count, "type": kind,
@@ -67,7 +72,7 @@ impl Square {
     }
 }
 
-/// Returns the square's document with a material, changed.
+/// Returns the square's document with a material, after a change.
 pub fn square(material: Value, change: impl FnOnce(&mut Value)) -> Value {
     let mut document = Square::new().document(material);
     change(&mut document);
@@ -113,6 +118,7 @@ pub fn pictured(material: Value, images: &[Value]) -> Value {
     })
 }
 
+/// Returns the material that the scene of the square has for a material of glTF.
 fn material(material: Value) -> Material {
     scene(&square(material, |_| ())).materials[0].clone()
 }
@@ -120,9 +126,10 @@ fn material(material: Value) -> Material {
 /// Returns the RGBA bytes of a scene's texture in column `x` and row `y`. `map` is the index of the texture.
 fn texel(scene: &Scene, map: Option<usize>, x: u32, y: u32) -> [u8; 4] {
     let Texture { width, rgba, .. } = &scene.textures[map.expect("a map")];
-    std::array::from_fn(|k| rgba[4 * (y * width + x) as usize + k])
+    std::array::from_fn(|channel| rgba[4 * (y * width + x) as usize + channel])
 }
 
+/// Returns whether two numbers differ by less than 1e-5.
 pub fn close(a: f32, b: f32) -> bool {
     (a - b).abs() < 1e-5
 }
@@ -136,8 +143,8 @@ fn a_right_handed_square_faces_the_same_side() {
     assert!(close(area(&scene), 2.0));
     for v in &scene.meshes[0].vertices {
         assert_eq!(normal(v), Vec3::NEG_Z);
-        let [u, w] = v.uv;
-        assert_eq!(position(v), Vec3::new(2.0 * u, 1.0 - w, 0.0));
+        let [u, down] = v.uv;
+        assert_eq!(position(v), Vec3::new(2.0 * u, 1.0 - down, 0.0));
         // u grows along +x, and the bitangent w · n × t runs up.
         let tangent = Vec3::from_slice(&v.tangent[..3]);
         assert_eq!(tangent, Vec3::X);
@@ -172,14 +179,14 @@ fn nodes_place_their_meshes_and_mirrored_ones_keep_their_front() {
 fn tangents_of_the_file_are_those_that_would_be_made() {
     for scale in [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]] {
         let placed = |d: &mut Value| d["nodes"][0]["scale"] = scale.into();
-        let mut given = Square::new();
-        given.floats("VEC4", &[1.0, 0.0, 0.0, 1.0].repeat(4));
-        let mut with = given.document(json!({}));
-        with["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = 4.into();
-        placed(&mut with);
+        let mut with_tangents = Square::new();
+        with_tangents.floats("VEC4", &[1.0, 0.0, 0.0, 1.0].repeat(4));
+        let mut document = with_tangents.document(json!({}));
+        document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = 4.into();
+        placed(&mut document);
         let tangents = |scene: Scene| scene.meshes[0].vertices.iter().map(|v| v.tangent).collect::<Vec<_>>();
-        let made = tangents(scene(&square(json!({}), placed)));
-        assert_eq!(tangents(scene(&with)), made, "{scale:?}");
+        let computed = tangents(scene(&square(json!({}), placed)));
+        assert_eq!(tangents(scene(&document)), computed, "{scale:?}");
     }
 }
 
@@ -309,7 +316,7 @@ fn cameras_become_views_and_lights_share_one_exposure() {
         ]}});
         d["scenes"][0]["nodes"] = json!([0, 1, 2, 3, 4, 5, 6]);
         let lamp =
-            |k: u32, z: f32| json!({"translation": [1, 0.5, z], "extensions": {"KHR_lights_punctual": {"light": k}}});
+            |n: u32, z: f32| json!({"translation": [1, 0.5, z], "extensions": {"KHR_lights_punctual": {"light": n}}});
         let camera = json!({"camera": 0, "translation": [1, 0.5, 4]});
         d["nodes"] = json!([{"mesh": 0}, camera, camera, {"camera": 1}, lamp(0, 0.0), lamp(1, 4.0), lamp(2, 2.0)]);
     });
@@ -344,14 +351,14 @@ fn what_is_not_supported_is_said_once() {
         d["materials"][0]["emissiveTexture"] = json!({"index": 0});
     });
     let scene = scene(&document);
-    let said = [
+    let expected = [
         "the extension KHR_materials_clearcoat is not supported and was ignored",
         "meshes are drawn from their uncompressed copies, since the extension KHR_draco_mesh_compression is not supported",
         "points and lines are not drawn",
         "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out; export the images as \
          PNG, JPEG or WebP instead of KTX2",
     ];
-    for sentence in said {
+    for sentence in expected {
         let times = sentences(&scene).iter().filter(|s| **s == sentence).count();
         assert_eq!(times, 1, "{sentence}: {:?}", scene.warnings);
     }
@@ -445,11 +452,11 @@ fn a_binary_file_is_the_same_scene_also_in_a_scene_file() {
     assert_eq!(loaded.materials, text.materials);
     let file = "[[mesh]]\nfile = \"b.glb\"\n[[mesh]]\nfile = \"a.obj\"\n[material.plastic]\nroughness = 0.5\n";
     folder.write("c.scene.toml", file.as_bytes());
-    let both = ssct_scenes::scene_file::load(&folder.path("c.scene.toml"), &scaled(2.0)).unwrap();
-    assert_sound(&both);
-    assert_eq!(both.triangle_count(), 3);
-    let gltf_mesh = both.meshes.iter().find(|m| both.materials[m.material].name == "plastic").expect("the square");
-    assert_eq!((gltf_mesh.bounds.max, both.materials[gltf_mesh.material].roughness), (Vec3::new(4.0, 2.0, 0.0), 0.5));
+    let joined = ssct_scenes::scene_file::load(&folder.path("c.scene.toml"), &scaled(2.0)).unwrap();
+    assert_sound(&joined);
+    assert_eq!(joined.triangle_count(), 3);
+    let gltf_mesh = joined.meshes.iter().find(|m| joined.materials[m.material].name == "plastic").expect("the square");
+    assert_eq!((gltf_mesh.bounds.max, joined.materials[gltf_mesh.material].roughness), (Vec3::new(4.0, 2.0, 0.0), 0.5));
 }
 
 proptest! {

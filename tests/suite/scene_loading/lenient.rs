@@ -11,7 +11,7 @@ fn with_mtl(mtl: &[u8]) -> Folder {
 }
 
 /// Returns the albedo of the first material, and the warnings.
-fn albedo(folder: &Folder) -> (Vec3, Vec<String>) {
+fn albedo_and_warnings(folder: &Folder) -> (Vec3, Vec<String>) {
     let scene = folder.scene();
     assert_sound(&scene);
     (scene.materials[0].albedo, folder.warnings(&scene))
@@ -25,7 +25,7 @@ fn byte_order_marks_are_skipped() {
     for (obj, mtl) in [("\u{feff}", ""), ("", "\u{feff}"), ("\u{feff}", "\u{feff}")] {
         let folder = Folder::new(&[("a.obj", &format!("{obj}mtllib a.mtl\nusemtl m\n{SQUARE}f 1 2 3\n"))]);
         folder.write("a.mtl", format!("{mtl}{red}").as_bytes());
-        assert_eq!(albedo(&folder), (Vec3::X, Vec::new()), "{obj:?} {mtl:?}");
+        assert_eq!(albedo_and_warnings(&folder), (Vec3::X, Vec::new()), "{obj:?} {mtl:?}");
     }
     let before_a_vertex = Folder::new(&[("a.obj", &format!("\u{feff}{SQUARE}f 1 2 3\n"))]);
     assert_eq!(before_a_vertex.scene().triangle_count(), 1);
@@ -118,11 +118,11 @@ fn names_of_materials_and_libraries_may_have_comments() {
     ] {
         let folder = square(&format!("{obj}f 1 2 3\n"));
         folder.write("a.mtl", mtl.as_bytes());
-        assert_eq!(albedo(&folder), (Vec3::X, Vec::new()), "{obj:?}");
+        assert_eq!(albedo_and_warnings(&folder), (Vec3::X, Vec::new()), "{obj:?}");
     }
     let folder = square("mtllib my\\ lib.mtl\nusemtl m\nf 1 2 3\n");
     folder.write("my lib.mtl", b"newmtl m\nKd 1 0 0\n");
-    assert_eq!(albedo(&folder), (Vec3::X, Vec::new()));
+    assert_eq!(albedo_and_warnings(&folder), (Vec3::X, Vec::new()));
 }
 
 /// If two MTL files define a material, the first counts.
@@ -131,7 +131,7 @@ fn the_first_library_with_a_name_counts() {
     let folder = square("mtllib a.mtl b.mtl\nusemtl m\nf 1 2 3\n");
     folder.write("a.mtl", b"newmtl m\nKd 1 0 0\n");
     folder.write("b.mtl", b"newmtl m\nKd 0 1 0\n");
-    assert_eq!(albedo(&folder), (Vec3::X, Vec::new()));
+    assert_eq!(albedo_and_warnings(&folder), (Vec3::X, Vec::new()));
 }
 
 /// The statement `fo`, an older word for `f`, continues over a line end as `f` does.
@@ -170,7 +170,7 @@ fn values_that_are_no_numbers_are_left_out_with_a_warning() {
     let warnings = flat("f 1/9 2/-7 3/1\n");
     assert_eq!(warnings, ["a.obj:9: a face refers to texture coordinates that are not there; they count as 0"]);
     for (statement, rest) in [("Ns -1.#IND", ""), ("Kd nan 0 0", ""), ("Pr inf", ""), ("Ks 1 1 1e99", "")] {
-        let (albedo, warnings) = albedo(&with_mtl(format!("newmtl m\n{statement}\n{rest}").as_bytes()));
+        let (albedo, warnings) = albedo_and_warnings(&with_mtl(format!("newmtl m\n{statement}\n{rest}").as_bytes()));
         assert_eq!(warnings, ["a.mtl:2: a statement with a number that is not finite was ignored"], "{statement}");
         assert_eq!(albedo, Vec3::ONE);
     }
@@ -198,7 +198,7 @@ fn words_of_materials_that_are_no_numbers_count_as_missing() {
         ("illum two", word),
     ] {
         let folder = with_mtl(format!("newmtl m\n{statement}\n").as_bytes());
-        assert_eq!(albedo(&folder), (Vec3::ONE, vec![format!("a.mtl:2: {warning}")]), "{statement}");
+        assert_eq!(albedo_and_warnings(&folder), (Vec3::ONE, vec![format!("a.mtl:2: {warning}")]), "{statement}");
     }
 }
 
@@ -206,7 +206,10 @@ fn words_of_materials_that_are_no_numbers_count_as_missing() {
 /// nothing get none.
 #[test]
 fn each_kind_of_loss_is_one_warning() {
-    let warnings = |mtl: &str| albedo(&with_mtl(format!("newmtl m\n{mtl}\n").as_bytes())).1;
+    let warnings = |mtl: &str| {
+        let (_, warnings) = albedo_and_warnings(&with_mtl(format!("newmtl m\n{mtl}\n").as_bytes()));
+        warnings
+    };
     for (lost, about) in [
         ("d 0", "transparency"),
         ("d -halo 0.5", "transparency"),
@@ -227,12 +230,13 @@ fn each_kind_of_loss_is_one_warning() {
     }
     let kept = "d 1\nTr 0\nTf 1 1 1\nKe 0 0 0\nPs 0\nPc 0\nPcr 0.03\naniso 0\nanisor 0.5\nKa 1 1 1\nNi 1.5\nillum 2\n\
         sharpness 60\nmap_Ka x.png\n";
-    assert_eq!(warnings(kept), [""; 0], "what says nothing");
+    assert_eq!(warnings(kept), [""; 0], "statements that change nothing");
     let two = warnings("d 0\ndisp x.png");
     assert_eq!(two.len(), 2, "{two:?}");
     let unused = square("mtllib a.mtl\nusemtl m\nf 1 2 3\n");
     unused.write("a.mtl", b"newmtl m\nnewmtl other\nd 0\n");
-    assert_eq!(albedo(&unused).1, [""; 0], "materials that are not used are not spoken of");
+    let (_, no_warnings) = albedo_and_warnings(&unused);
+    assert_eq!(no_warnings, [""; 0], "materials that are not used get no warning");
 
     let warnings = |obj: &str| {
         let folder = square(&format!("{obj}f 1 2 3\n"));

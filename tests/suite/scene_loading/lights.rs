@@ -12,14 +12,14 @@ fn notes(document: &Value) -> Vec<String> {
     scene(document).notes.iter().map(|n| n.split_once("a.gltf: ").expect("the file's name").1.to_owned()).collect()
 }
 
-/// Adds a camera to the document of the square.
-fn camera(document: &mut Value) {
+/// Adds a camera to the document of the square, 5 m in front of it, as node 1.
+fn add_camera(document: &mut Value) {
     document["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1, "zfar": 100.0}}]);
     document["nodes"].as_array_mut().unwrap().push(json!({"camera": 0, "translation": [0, 0, 5]}));
     document["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(1));
 }
 
-/// Returns the square with a light that stands at a place and shines along the file's −z.
+/// Returns the square with a light of `KHR_lights_punctual`, which stands at a place and shines along the file's −z.
 fn lit(light: Value, translation: [f32; 3]) -> Value {
     square(json!({}), |d| {
         d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
@@ -44,7 +44,7 @@ fn a_file_without_lights_or_cameras_says_what_was_chosen() {
             "it has neither lights nor cameras; one directional light shines from above, and the view shows all of the scene"
         ]
     );
-    assert_eq!(notes(&square(json!({}), camera)), ["it has no lights; one directional light shines from above"]);
+    assert_eq!(notes(&square(json!({}), add_camera)), ["it has no lights; one directional light shines from above"]);
 }
 
 /// A sun and a lamp, which give different illuminances, are both exposed so that the brightest gives 1 at the centre of
@@ -96,7 +96,7 @@ fn only_cameras_that_are_set_upright_get_a_warning() {
         (x(-half_pi) * z(half_pi), true),
     ] {
         let document = square(json!({}), |d| {
-            camera(d);
+            add_camera(d);
             d["nodes"][1]["rotation"] = json!(turn.to_array());
         });
         let scene = scene(&document);

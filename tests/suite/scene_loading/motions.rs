@@ -7,16 +7,17 @@ use serde_json::{Value, json};
 use ssct_scenes::{Motion, scene_file};
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Returns a document with two squares, one of which hangs from an arm, and an animation. Each channel has a node, a
-/// path, an interpolation, and the numbers of the key frames at 0 s and 1 s.
+/// Returns a document with two squares, one of which (node 0) hangs from an arm (node 2), and an animation. Each
+/// channel has a node, a path, an interpolation, and the numbers of the key frames at 0 s and 1 s.
 fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
     let mut square = Square::new();
+    let times = square.accessors.len();
     square.floats("SCALAR", &[0.0, 1.0]);
-    let (mut samplers, mut list) = (Vec::new(), Vec::new());
+    let (mut samplers, mut targets) = (Vec::new(), Vec::new());
     for (node, path, interpolation, values) in channels {
         square.floats(if *path == "rotation" { "VEC4" } else { "VEC3" }, values);
-        samplers.push(json!({"input": 4, "output": square.accessors.len() - 1, "interpolation": interpolation}));
-        list.push(json!({"sampler": list.len(), "target": {"node": node, "path": path}}));
+        samplers.push(json!({"input": times, "output": square.accessors.len() - 1, "interpolation": interpolation}));
+        targets.push(json!({"sampler": targets.len(), "target": {"node": node, "path": path}}));
     }
     let mut document = square.document(json!({}));
     document["scenes"] = json!([{"nodes": [2, 1]}]);
@@ -25,16 +26,16 @@ fn animated(channels: &[(usize, &str, &str, &[f32])]) -> Value {
         {"mesh": 0, "name": "square"},
         {"name": "arm", "children": [0], "translation": [0, 5, 0]},
     ]);
-    document["animations"] = json!([{"name": "wave", "samplers": samplers, "channels": list}]);
+    document["animations"] = json!([{"name": "wave", "samplers": samplers, "channels": targets}]);
     document
 }
 
 /// Returns the place of the moving square's lower left corner at a time; in the file it is at (1, 5, 0).
 fn corner(scene: &Scene, time_s: f32) -> Vec3 {
     let moved: Vec<_> = scene.motions[0].placements_at(time_s).collect();
-    assert_eq!(moved.len(), 1, "one of the two squares moves");
-    assert_eq!(moved[0].0, "square");
-    moved[0].1.place(Vec3::new(1.0, 5.0, 0.0))
+    let [(mesh, placement)] = &moved[..] else { panic!("one of the two squares moves") };
+    assert_eq!(*mesh, "square");
+    placement.place(Vec3::new(1.0, 5.0, 0.0))
 }
 
 /// Rotation by linear, translation by spline and scale by stepped interpolation place the square as computed by hand.
@@ -75,7 +76,8 @@ fn nodes_are_moved_turned_and_made_larger_with_what_hangs_from_them() {
     // In a scene that is twice as large, the motion is twice as long.
     let mut doubled = moved.clone();
     doubled.scale(2.0);
-    let position = doubled.motions[0].placements_at(1.0).next().unwrap().1.place(Vec3::new(2.0, 10.0, 0.0));
+    let (_, placement) = doubled.motions[0].placements_at(1.0).next().unwrap();
+    let position = placement.place(Vec3::new(2.0, 10.0, 0.0));
     assert!(position.distance(2.0 * turned(90.0, 6.0)) < 1e-4, "{position}");
 }
 
@@ -106,16 +108,16 @@ fn things_may_shrink_to_nothing() {
     assert_eq!(sentences(&gone), [""; 0]);
     let node = Vec3::new(1.0, 5.0, 0.0);
     let upper_right = |time_s: f32| {
-        let placement = gone.motions[0].placements_at(time_s).next().unwrap().1;
+        let (_, placement) = gone.motions[0].placements_at(time_s).next().unwrap();
         placement.place(node + Vec3::new(2.0, 1.0, 0.0))
     };
     assert!(upper_right(0.5).distance(node + Vec3::new(2.0, 1.0, 0.0)) < 1e-5, "{}", upper_right(0.5));
     assert!(upper_right(1.0).distance(node) < 1e-4, "{}", upper_right(1.0));
     let mut grows = animated(&[(0, "scale", "LINEAR", &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0])]);
     grows["nodes"][0]["scale"] = json!([0, 0, 0]);
-    let said =
+    let expected =
         ["triangles without area were left out", "square is never drawn, since its size is 0 while no animation plays"];
-    assert_eq!(sentences(&scene(&grows)), said);
+    assert_eq!(sentences(&scene(&grows)), expected);
 }
 
 /// An animation that moves a camera or a light alone is named in a sentence, and is no motion.
@@ -129,8 +131,8 @@ fn cameras_and_lights_do_not_move() {
         document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
         document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 64}]}});
         let scene = scene(&document);
-        let said = ["animations of cameras and lights are not played; they stay where they stand at rest"];
-        assert_eq!((sentences(&scene), scene.motions.len()), (said.to_vec(), 0));
+        let expected = ["animations of cameras and lights are not played; they stay where they stand at rest"];
+        assert_eq!((sentences(&scene), scene.motions.len()), (expected.to_vec(), 0));
     }
 }
 
@@ -138,7 +140,7 @@ fn cameras_and_lights_do_not_move() {
 const MESH: &str = "[[mesh]]\nfile = \"a.obj\"\n";
 
 /// Loads a scene file with the square as a mesh named `flag`, followed by the lines `text`.
-fn of_file(text: &str) -> ssct_ground::Result<Scene> {
+fn load_flag(text: &str) -> ssct_ground::Result<Scene> {
     let folder = square("o flag\nf 1 2 3\nf 1 3 4\n");
     folder.write("test.scene.toml", format!("{MESH}{text}").as_bytes());
     scene_file::load(&folder.path("test.scene.toml"), &LoadOptions::default())
@@ -150,16 +152,19 @@ fn of_file(text: &str) -> ssct_ground::Result<Scene> {
 fn scene_files_name_motions() {
     let keys = "[[motion.fly.key]]\ntime = 1\n[[motion.fly.key]]\ntime = 2\noffset = [0, 2, 0]\nturn_deg = 90\n";
     let scene =
-        of_file(&format!("[motion.fly]\nmesh = \"flag\"\npivot = [0, 0, 0]\naxis = [0, 0, 2]\n{keys}")).unwrap();
+        load_flag(&format!("[motion.fly]\nmesh = \"flag\"\npivot = [0, 0, 0]\naxis = [0, 0, 2]\n{keys}")).unwrap();
     let Motion { name, .. } = &scene.motions[0];
     assert_eq!(name, "fly");
-    let position = |time_s: f32| scene.motions[0].placements_at(time_s).next().unwrap().1.place(Vec3::X);
+    let position = |time_s: f32| {
+        let (_, placement) = scene.motions[0].placements_at(time_s).next().unwrap();
+        placement.place(Vec3::X)
+    };
     assert!(position(0.5).distance(Vec3::X) < 1e-6, "{}", position(0.5));
     let half = Quat::from_rotation_z(45f32.to_radians()) * Vec3::X + Vec3::Y;
     assert!(position(1.5).distance(half) < 1e-5, "{}", position(1.5));
     assert!(position(3.0).distance(3.0 * Vec3::Y) < 1e-5, "{}", position(3.0));
     let refused = |text: &str, words: &str| {
-        let message = of_file(text).unwrap_err().to_string();
+        let message = load_flag(text).unwrap_err().to_string();
         assert!(message.contains(words), "{words}: {message}");
     };
     refused("[motion.fly]\nmesh = \"fag\"\n", "4: motion fly moves \"fag\", and no mesh has this name");

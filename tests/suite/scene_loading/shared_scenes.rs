@@ -122,11 +122,11 @@ fn lobes_of_the_shared_spheres_widen_as_their_roughness_says() {
     assert_sound(&scene);
     assert_eq!((scene.meshes.len(), scene.triangle_count()), (10, 51_200));
     // The lower row has factors, from a mirror at +z of the file to the roughest at −z.
-    let mut spheres: Vec<(f32, f32)> = (scene.meshes.iter().filter(|m| m.bounds.max.y < 0.0))
+    let mut z_and_roughness: Vec<(f32, f32)> = (scene.meshes.iter().filter(|m| m.bounds.max.y < 0.0))
         .map(|m| (m.bounds.min.z, scene.materials[m.material].roughness))
         .collect();
-    spheres.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let roughness: Vec<f32> = spheres.iter().map(|s| s.1).collect();
+    z_and_roughness.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let roughness: Vec<f32> = z_and_roughness.iter().map(|(_, roughness)| *roughness).collect();
     println!("{roughness:?}");
     assert!(roughness[0] < 1e-3 && roughness[0] < roughness[1] && roughness[1] < roughness[2], "{roughness:?}");
     assert_eq!(roughness[2..], [1.0; 3], "0.5 and above are wider than the widest lobe");
