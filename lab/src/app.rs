@@ -119,7 +119,7 @@ pub fn run_program<P: FromArgMatches>(
 /// Memory in MiB that sufficed for every command that was tried; the driver of a CPU takes most of it.
 const ENOUGH_MIB: u64 = 1024;
 
-/// Warns on standard error if the system lets this process take less than [`ENOUGH_MIB`] of memory. In that case an
+/// Warns on standard error if the system lets this process take less than [`ENOUGH_MIB`] MiB of memory. In that case an
 /// allocation may fail, which aborts the process without a message. A handler gives such an abort the exit status 1.
 #[cfg(unix)]
 fn warn_of_little_memory() {
@@ -131,6 +131,7 @@ fn warn_of_little_memory() {
     drop(signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, 1, always));
 }
 
+/// Does nothing, since such a limit is known on Unix alone.
 #[cfg(not(unix))]
 fn warn_of_little_memory() {}
 
@@ -145,9 +146,9 @@ fn name_shader_folder() {
 /// Begins to print log messages on standard error: those that the variable SSCT_LOG asks for, as in `vulkan=warn`. Without
 /// the variable, only errors are printed.
 fn start_logging() -> Result<(), Error> {
-    let wrong = |text: &str, e: ParseError| Error::usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
+    let usage = |text: &str, e: ParseError| Error::usage(format!("SSCT_LOG={text}: {e}; write it as vulkan=warn"));
     let targets = match std::env::var("SSCT_LOG") {
-        Ok(text) if !text.is_empty() => text.parse().map_err(|e| wrong(&text, e))?,
+        Ok(text) if !text.is_empty() => text.parse().map_err(|e| usage(&text, e))?,
         _ => Targets::new().with_default(LevelFilter::ERROR),
     };
     let printed = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(targets);

@@ -78,6 +78,7 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 pub fn add(folder: &Path, reserved: &BTreeSet<String>) -> Result<&'static MethodInfo> {
     // Compiles once here, so that errors appear before a device is opened.
     let (manifest, parameters) = read_checked(folder, reserved)?;
+    // A method that was added stays until the program ends, so its texts need never be freed.
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
@@ -110,6 +111,7 @@ impl Added for FolderMethod {
         self.parameters.clone()
     }
 
+    /// Makes the method on a device. A preset is refused, since it would change nothing of a method from a folder.
     fn create(&self, gpu: &Gpu, request: &MethodRequest) -> ssct::Result<Box<dyn Method>> {
         let preset = request.setup.values.preset;
         if preset != Preset::default() {

@@ -43,12 +43,12 @@ impl Globals {
     /// Returns the scene's materials in a view, changed by these factors.
     pub fn materials(&self, scene: &Scene, view: &View) -> Vec<Material> {
         let mut materials = scene.materials_in(view);
-        for m in &mut materials {
+        for material in &mut materials {
             if let Some(roughness) = self.roughness {
-                (m.roughness, m.roughness_map) = (roughness, None);
+                (material.roughness, material.roughness_map) = (roughness, None);
             }
-            m.normal_deviation = self.normal_deviation.unwrap_or(m.normal_deviation);
-            m.reflectivity *= self.reflectivity;
+            material.normal_deviation = self.normal_deviation.unwrap_or(material.normal_deviation);
+            material.reflectivity *= self.reflectivity;
         }
         materials
     }
@@ -135,7 +135,8 @@ impl Stage {
         SharedImages::default().output_at_rest(self, shot)
     }
 
-    /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
+    /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes, so that
+    /// the next frame shows this image.
     pub fn settle(&mut self, shot: &Shot) -> Result<()> {
         SharedImages::default().settle(self, shot)
     }
@@ -170,7 +171,8 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Makes pipelines and images, and captures the parts of the scene that the method needs.
+    /// Makes pipelines and images, and prepares what the method needs of the scene, such as captures. `wants` says
+    /// which images of the method are read later.
     pub fn new(
         stage: &mut Stage,
         method: &MethodInfo,
@@ -182,7 +184,8 @@ impl Shot {
         SharedImages::default().shot(stage, method, setup, wants, camera, materials)
     }
 
-    /// Makes a shot that serves to draw a scene's G-buffer from any camera.
+    /// Makes a shot that serves to draw a scene's G-buffer from any camera. Its method is one that takes every camera,
+    /// and is not meant to be run.
     pub fn of_scene(stage: &mut Stage, extent: [u32; 2], camera: Camera, materials: Vec<Material>) -> Result<Self> {
         Self::new(stage, &unified::INFO, &Setup::on_screen(extent), Wants::IMAGE, camera, materials)
     }

@@ -15,7 +15,8 @@ const KINDS: [(&str, &str); 4] = [
 /// Words in the header of a column that shows times.
 const TIMES: [&str; 2] = ["time", "ms"];
 
-/// Returns the kind of device on which a folder's records were measured, by the ending of the run folder's name.
+/// Returns the kind of device on which a folder's records were measured, in words such as "an H100". The ending of the
+/// run folder's name decides, as in `runs/2026-11-24-h100`.
 pub(crate) fn device_kind(folder: &Path) -> Result<&'static str, String> {
     let name = run_name(folder).unwrap_or_default();
     let found = KINDS.iter().find(|(end, _)| name.ends_with(end)).map(|(_, kind)| *kind);
@@ -48,9 +49,9 @@ pub(crate) fn device_note(
         return Ok(format!("*{}*", note.replace("$devices", &devices)));
     }
     // The first cell is empty, since a line begins with a bar, and the second is the header of the rows' names.
-    let head: Vec<&str> = table.lines().next().unwrap_or_default().split('|').map(str::trim).collect();
-    let figures = head.iter().skip(2).filter(|cell| !cell.is_empty());
-    let (times, others): (Vec<&str>, Vec<&str>) = figures.copied().partition(|cell| is_time(cell));
+    let header_cells: Vec<&str> = table.lines().next().unwrap_or_default().split('|').map(str::trim).collect();
+    let headers = header_cells.iter().skip(2).filter(|cell| !cell.is_empty());
+    let (times, others): (Vec<&str>, Vec<&str>) = headers.copied().partition(|header| is_time(header));
     let (shows_times, shows_others) = (has_times || !times.is_empty(), !has_times && !others.is_empty());
     let scope = match (shows_times, shows_others) {
         (true, false) => "Times and their quotients hold for that kind of device alone.",

@@ -82,11 +82,13 @@ fn holds(row: &Row, condition: &Condition) -> bool {
         "!=" => !fits_any(&is_same),
         "^=" => fits_any(&|found, value| found.starts_with(value)),
         "*=" => fits_any(&|found, value| found.contains(value)),
+        // `!*`, the last of the comparisons: the field contains none of the values.
         _ => !fits_any(&|found, value| found.contains(value)),
     }
 }
 
-/// Returns the key of a row: the values of the fields `by`, with numbers in one form and texts in lower case.
+/// Returns the key by which a row is matched with others: the values of the fields `by`. Numbers have one form, so that
+/// 1 and 1.0 are equal, and texts are in lower case.
 fn row_key(row: &Row, by: &[String]) -> Vec<String> {
     let value = |field: &String| {
         let value = row.get(field).map_or("", String::as_str);
@@ -156,8 +158,8 @@ impl Context<'_> {
         Ok(Value::Numbers(Numbers { by: self.by.clone(), items }))
     }
 
-    /// Returns the value of an operator between two values. A comparison is 1 if it is true, and else 0. A number is
-    /// combined with each of several numbers; several numbers on both sides are matched by their rows.
+    /// Returns the value of an operator between two values; `/` and `~` divide. A comparison is 1 if true, else 0. A
+    /// number is combined with each of several numbers; several numbers on both sides are matched by their rows.
     fn combine(&self, operator: char, left: Value, right: Value) -> Result<Value> {
         let truth = |is_true: bool| f64::from(u8::from(is_true));
         let apply = |a: f64, b: f64| match operator {
@@ -189,7 +191,7 @@ impl Context<'_> {
     /// Returns the value of a call of a function over some rows. `by` has the fields of the groups for a function that
     /// ends with `_by`.
     fn call(&self, function: &str, by: &[String], arguments: &[Expression], rows: &Rows) -> Result<Value> {
-        // An argument, its value, and its value as a number, by its index.
+        // Three closures give the argument with the index n: its expression, its value, and its value as a number.
         let argument =
             |n: usize| arguments.get(n).ok_or_else(|| Failure::from(format!("{function} lacks an argument")));
         let value = |n: usize| self.evaluate(argument(n)?, rows);
@@ -225,8 +227,8 @@ impl Context<'_> {
             return summarize_groups(function, by, numbers).map(Value::Numbers);
         }
         if let ("part", Value::Numbers(numbers)) = (function, &first) {
-            let places = (1..arguments.len()).map(number).collect::<Result<Vec<_>>>()?;
-            return part(numbers, &places).map(Value::Numbers);
+            let bounds = (1..arguments.len()).map(number).collect::<Result<Vec<_>>>()?;
+            return part(numbers, &bounds).map(Value::Numbers);
         }
         let numbers = first.numbers()?;
         if let Some(number) = summarize(function, &numbers) {
@@ -239,13 +241,13 @@ impl Context<'_> {
     }
 }
 
-/// Returns the numbers from the index `places[0]` to before the index `places[1]`, in steps of `places[2]`. Negative
-/// indices are counted from the end. Places that are left out mean all numbers and steps of 1.
-fn part(numbers: &Numbers, places: &[f64]) -> Result<Numbers> {
+/// Returns the numbers from the index `bounds[0]` to before the index `bounds[1]`, in steps of `bounds[2]`. Negative
+/// indices are counted from the end. Bounds that are left out mean all numbers and steps of 1.
+fn part(numbers: &Numbers, bounds: &[f64]) -> Result<Numbers> {
     let count = numbers.items.len();
-    let place = |n: f64| if n < 0.0 { count.saturating_sub(-n as usize) } else { n as usize };
-    let (from, to) = (places.first().map_or(0, |n| place(*n)), places.get(1).map_or(count, |n| place(*n)));
-    let step = places.get(2).map_or(1, |step| (*step as usize).max(1));
+    let index = |n: f64| if n < 0.0 { count.saturating_sub(-n as usize) } else { n as usize };
+    let (from, to) = (bounds.first().map_or(0, |n| index(*n)), bounds.get(1).map_or(count, |n| index(*n)));
+    let step = bounds.get(2).map_or(1, |step| (*step as usize).max(1));
     let items =
         numbers.items.get(from..to).ok_or_else(|| Failure::missing(format!("there is no part {from} to {to}")))?;
     Ok(Numbers { by: numbers.by.clone(), items: items.iter().step_by(step).cloned().collect() })
@@ -295,7 +297,7 @@ fn summarize(function: &str, numbers: &[f64]) -> Option<Result<f64>> {
 /// Groups the numbers whose rows agree in the fields `by`, and makes one number of each group by the named function.
 /// Groups stand in the order of their first rows.
 fn summarize_groups(function: &str, by: &[String], numbers: &Numbers) -> Result<Numbers> {
-    // By key: the index of the group's first row, and the group's numbers.
+    // For the key of each group: the index of its first row, and its numbers.
     let mut groups: BTreeMap<Vec<String>, (usize, Vec<f64>)> = BTreeMap::new();
     for (n, (row, number)) in numbers.items.iter().enumerate() {
         groups.entry(row_key(row, by)).or_insert_with(|| (n, Vec::new())).1.push(*number);
@@ -311,8 +313,8 @@ fn summarize_groups(function: &str, by: &[String], numbers: &Numbers) -> Result<
 
 /// Applies a function to the numbers of two sets, row by row. Rows with the same key belong together, in the order in
 /// which they stand; a single row on the right belongs to all rows of its key on the left. Rows on the left without a
-/// partner are left out if `is_lenient`, and otherwise an error. So are rows on the right without one, unless their key
-/// has fewer fields.
+/// partner are left out if `is_lenient`, and otherwise an error. More rows on the right than on the left are an error,
+/// too, unless `is_lenient`, or the rows on the right are matched by fewer fields.
 fn match_rows(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_lenient: bool) -> Result<Numbers> {
     let by: Vec<String> = left.by.iter().filter(|field| right.by.contains(field)).cloned().collect();
     // The numbers on the right by their key.

@@ -59,11 +59,12 @@ pub(crate) enum Expression {
     },
 }
 
-/// Returns a named expression and its name, from its head, such as `name(a, b)`, and its body.
+/// Reads a named expression as `words.toml` defines it. `head` is its name with the names of its arguments, such as
+/// `over(x, a)`, and `body` is the text of the expression. Returns the name and the expression.
 pub(crate) fn read_word(head: &str, body: &str) -> (String, Word) {
-    let (name, rest) = head.split_once('(').unwrap_or((head, ""));
-    let names = rest.trim_end_matches(')').split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
-    (name.to_owned(), Word { arguments: names.collect(), body: body.to_owned() })
+    let (name, list) = head.split_once('(').unwrap_or((head, ""));
+    let arguments = list.trim_end_matches(')').split(',').map(|a| a.trim().to_owned()).filter(|a| !a.is_empty());
+    (name.to_owned(), Word { arguments: arguments.collect(), body: body.to_owned() })
 }
 
 /// Returns a text in which each variable, written as `$name`, is replaced by its value. If several names fit, the
@@ -89,9 +90,9 @@ pub(crate) fn parse_choice(text: &str) -> Result<Choice> {
     };
     let mut choice = Choice { files, conditions: Vec::new() };
     for part in split_outside_brackets(conditions, ',').iter().map(|part| part.trim()).filter(|part| !part.is_empty()) {
-        // The first comparison in the text; of two at one place, the longer one.
-        let found =
-            COMPARISONS.iter().filter_map(|c| Some((part.find(c)?, *c))).min_by_key(|(place, c)| (*place, 2 - c.len()));
+        // The comparison that comes first in the text. Where two begin at one place, the longer one counts.
+        let in_text = COMPARISONS.iter().filter_map(|c| Some((part.find(c)?, *c)));
+        let found = in_text.min_by_key(|(place, c)| (*place, 2 - c.len()));
         let (place, comparison) = found.ok_or_else(|| format!("{part:?} is no condition"))?;
         let values = part[place + comparison.len()..].split('|').map(|v| v.trim().trim_matches('"').to_owned());
         choice.conditions.push(Condition {
@@ -103,7 +104,8 @@ pub(crate) fn parse_choice(text: &str) -> Result<Choice> {
     Ok(choice)
 }
 
-/// Splits a text at each separator that is outside of brackets and quotes.
+/// Splits a text at each separator that is outside of brackets and quotes. A closing bracket may be the separator; then
+/// the first part ends where the bracket closes that was opened before the text.
 pub(crate) fn split_outside_brackets(text: &str, separator: char) -> Vec<&str> {
     let (mut depth, mut is_quoted, mut start, mut parts) = (0, false, 0, Vec::new());
     for (place, c) in text.char_indices() {

@@ -57,6 +57,7 @@ pub(crate) fn write(function: &str, values: &[f64], decimals: usize) -> Result<O
         [value] => Ok(*value),
         _ => Err(Failure::missing(format!("{} values where {function} writes one", values.len()))),
     };
+    // The median is asked for only where it is written, since it fails without numbers.
     let (middle, low, high) = (|| median(values), least(values), greatest(values));
     Ok(Some(match function {
         "fixed" => format!("{:.decimals$}", only()?),

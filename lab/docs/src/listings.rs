@@ -181,14 +181,14 @@ fn shaders_with_steps(root: &Path, folder: &str) -> Result<Vec<Shader>> {
     Ok(shaders)
 }
 
-/// Returns the rows about a printed item from the page of the thesis's errata, with links that are right for a page in
-/// `docs/`.
+/// Returns the rows about a printed item, such as "§4.2.7, Alg. 4", from the text of the page of the thesis's errata.
+/// Their links are made right for a page in `docs/`. A row about "both listings" of a section is about each of them.
 fn errata_rows(page: &str, item: &str) -> Vec<String> {
     let (section, name) = item.split_once(", ").unwrap_or((item, ""));
     let is_about_item = |place: &str| {
         let mut parts = place.split(", ");
-        let is_both = name.ends_with("listing") && place.ends_with("both listings");
-        parts.next() == Some(section) && (is_both || parts.any(|part| part == name))
+        let is_of_both_listings = name.ends_with("listing") && place.ends_with("both listings");
+        parts.next() == Some(section) && (is_of_both_listings || parts.any(|part| part == name))
     };
     let link = |text: String| text.replace("](../../docs/", "](").replace("](../", "](../shaders-glsl/");
     let row = |line: &str| {
@@ -267,7 +267,8 @@ fn section(item: &str, shaders: &[Shader], errata: &[String]) -> String {
     text
 }
 
-/// Refuses marks that name no known printed item, and printed lines without a mark.
+/// Refuses marks that name no known printed item, and items with printed lines that no mark names. Of a listing up to
+/// two lines in a row may lack a mark, since listings have blank lines.
 fn check_marks(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
     let all_steps: Vec<&(String, Step)> = shaders.iter().flat_map(|(_, steps)| steps).collect();
     if let Some((name, _)) = all_steps.iter().find(|(name, _)| !items.iter().any(|(item, _)| item == name)) {
@@ -278,9 +279,8 @@ fn check_marks(folder: &str, items: &[Item], shaders: &[Shader]) -> Result<()> {
         let mut lines: Vec<u32> = steps.flat_map(|(_, step)| step.lines.iter().cloned().flatten()).collect();
         lines.sort_unstable();
         lines.dedup();
-        // Listings have blank lines, at most two in a row.
-        let gap = if item.contains("listing") { 3 } else { 1 };
-        let is_whole = lines.windows(2).all(|pair| pair[1] - pair[0] <= gap);
+        let most_apart = if item.contains("listing") { 3 } else { 1 };
+        let is_whole = lines.windows(2).all(|pair| pair[1] - pair[0] <= most_apart);
         if !is_whole || lines.first().zip(lines.last()) != Some((&1, count)) {
             return Err(format!("shaders-glsl/{folder}: marks of {item} lack some of its {count} lines: {lines:?}"));
         }
@@ -296,7 +296,7 @@ const HEAD: &str = "# Print and shader, step by step\n\nThis page sets each step
     [here](../shaders-glsl/schmidt/ERRATA.md) and [here](../shaders-glsl/poster/ERRATA.md). The poster has no listing: its numbers \
     count the steps of its text. The page is made from marks in the shaders (`make docs`).\n\n";
 
-/// Returns the text of the page.
+/// Returns the text of `docs/listings.md`: for each document, a section for each of its printed items.
 pub(crate) fn page(queries: &Queries, root: &Path) -> Result<String> {
     let mut page = HEAD.to_owned();
     for (title, folder, items) in DOCUMENTS {
@@ -318,16 +318,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn marks_are_read_as_they_are_meant() {
+    fn a_step_has_the_lines_the_words_and_the_code_of_its_mark() {
         let shader = "// Print: Alg. 1.\n// 1, 2: begin\n// and more\nvoid f() {\n    // 3-5: loop\n    // Departure: none\n    \
             // at all.\n    for (;;);\n\n    // Departure: alone.\n    g();\n}\nint unmarked;\n";
         let found = read_steps(shader);
-        let [(item, one), (_, two), (_, three)] = &found[..] else { panic!("{found:?}") };
-        assert_eq!((item.as_str(), one.print.as_str()), ("Alg. 1", "begin and more"));
-        assert_eq!((&one.lines[..], &one.code[..]), (&[1..=1, 2..=2][..], &["void f() {".to_owned()][..]));
-        assert_eq!((&two.lines[..], &two.differs[..]), (&[3..=5][..], &["Departure: none at all.".to_owned()][..]));
-        assert_eq!((&three.lines[..], three.code.len()), (&[][..], 2));
+        let [(item, begin), (_, looped), (_, unprinted)] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((item.as_str(), begin.print.as_str()), ("Alg. 1", "begin and more"));
+        assert_eq!((&begin.lines[..], &begin.code[..]), (&[1..=1, 2..=2][..], &["void f() {".to_owned()][..]));
+        let departure = ["Departure: none at all.".to_owned()];
+        assert_eq!((&looped.lines[..], &looped.differs[..]), (&[3..=5][..], &departure[..]));
+        assert_eq!((&unprinted.lines[..], unprinted.code.len()), (&[][..], 2));
         assert_eq!(parse_mark("Eq. 4.4: direction"), None);
-        assert_eq!(step_text(two, 0), "    // [3 to 5] loop\n    // Departure: none at all.\n    for (;;);\n");
+        assert_eq!(step_text(looped, 0), "    // [3 to 5] loop\n    // Departure: none at all.\n    for (;;);\n");
     }
 }

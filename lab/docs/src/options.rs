@@ -13,15 +13,15 @@ const HEAD: &str = "# Parameters of the methods\n\nEvery parameter is an option 
     program. This page is made from the tables in the code (`make docs`).\n\n\
     | parameter | methods | what it does | values | published | author | source |\n|---|---|---|---|---|---|---|\n";
 
-/// Returns the text of the page.
+/// Returns the text of `docs/options.md`: a table of all parameters, and a table of the requests that are refused.
 pub(crate) fn page() -> String {
-    let screen: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).map(|m| m.name).collect();
+    let screen_space: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).map(|m| m.name).collect();
     let mut page = HEAD.to_owned();
     for (parameter, methods) in parameters() {
         let names: Vec<_> = methods.iter().map(|m| m.name).collect();
         let names = match names.len() {
             n if n == METHODS.len() => "every method".to_owned(),
-            _ if names == screen => "every screen-space method".to_owned(),
+            _ if names == screen_space => "every screen-space method".to_owned(),
             _ => names.join(", "),
         };
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };

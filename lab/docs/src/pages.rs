@@ -82,18 +82,19 @@ pub fn quotations<'a>(root: &Path, name: &str, text: &'a str) -> Result<(Vec<Quo
 
 /// Returns the text of a page in which every quotation is replaced by the present answer of its query.
 pub fn renew_quotations(queries: &Queries, root: &Path, name: &str, text: &str) -> Result<String> {
-    let (all, rest) = quotations(root, name, text)?;
-    let (mut result, mut failures) = (String::new(), Vec::new());
-    for quotation in &all {
+    let (quotations, rest) = quotations(root, name, text)?;
+    let (mut renewed, mut failures) = (String::new(), Vec::new());
+    for quotation in &quotations {
         match answer(queries, quotation) {
-            Ok(answer) => result += &format!("{}{BEGIN}{} -->{answer}{END}", quotation.before, quotation.mark),
+            Ok(answer) => renewed += &format!("{}{BEGIN}{} -->{answer}{END}", quotation.before, quotation.mark),
             Err(failure) => failures.push(format!("{name}: {}: {failure}", quotation.mark)),
         }
     }
-    if failures.is_empty() { Ok(result + rest) } else { Err(failures.join("\n")) }
+    if failures.is_empty() { Ok(renewed + rest) } else { Err(failures.join("\n")) }
 }
 
-/// Returns the text that a page should have between the two marks of a quotation.
+/// Returns the text that a page should have between the two marks of a quotation. A table, which begins with a line
+/// break, must stand at the beginning of a line, and any other answer within a line.
 fn answer(queries: &Queries, Quotation { query, folders, before, .. }: &Quotation) -> Result<String> {
     let answer = queries.answer(query, folders)?;
     // Markdown does not format a line that begins with an HTML comment, so that a number may not begin a line.

@@ -126,7 +126,7 @@ impl Queries {
         self.try_answer(text, folders).map_err(|failure| failure.words)
     }
 
-    /// Returns the text of [`Self::answer`], or the failure.
+    /// Returns the text of [`Self::answer`]. The failure says whether records are missing.
     fn try_answer(&self, text: &str, folders: &[PathBuf]) -> Result<String> {
         let (query, variables) = self.find(text)?;
         if let Some(answer) = &query.answer {
@@ -155,7 +155,7 @@ impl Queries {
         }
         let text =
             format!("{}:{}", fill_variables(&query.from, variables)?, fill_variables(&query.r#where, variables)?);
-        // The text has a colon, so the choice is of files, and needs no rows to choose from.
+        // The text before the colon names the files, so that no rows are needed to choose from.
         context.choose(&parse_choice(&text)?, &Rc::default())
     }
 
@@ -181,7 +181,8 @@ impl Queries {
         Ok(written)
     }
 
-    /// Returns the value of the expression in a text as a number, after variables are replaced by their values.
+    /// Returns the value of an expression, whose variables are replaced by their values first. Unlike in
+    /// [`Self::evaluate_text`], the whole text is the expression, and its value is one number.
     fn evaluate_number(&self, query: &Query, text: &str, folders: &[PathBuf], variables: &Variables) -> Result<f64> {
         let context = self.context(query, folders);
         let rows = self.records(query, &context, variables)?;

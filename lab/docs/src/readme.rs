@@ -31,6 +31,8 @@ pub(crate) fn csv(queries: &Queries, root: &Path) -> Result<String, String> {
         let (query, _) = queries.find(quotation.query).map_err(|e| e.words)?;
         let (Some([place, command]), [folder]) = (&query.readme, &quotation.folders[..]) else { continue };
         let says = queries.answer(quotation.query, &quotation.folders)?;
+        // The columns are place, row, column, says, measured_on, figure, variant, over, command, roughness, scene, view
+        // and value.
         let cells =
             [place, "", quotation.query, &says, device_kind(folder)?, "elsewhere", "", "", command, "", "", "", ""];
         rows.push(cells.map(str::to_owned).to_vec());

@@ -46,7 +46,7 @@ pub type Row = BTreeMap<String, String>;
 /// The rows of a file.
 pub type Rows = Rc<Vec<Rc<Row>>>;
 
-/// The first records that compare with a reference as it is now.
+/// Which records are the first that compare with a reference as it is computed today. Older ones are refused.
 struct FirstRecords {
     /// The day of the first records that are not JSON.
     day: &'static str,
@@ -171,8 +171,8 @@ fn word_rows(text: &str) -> Vec<Row> {
     text.lines().map(row).collect()
 }
 
-/// Returns the name that tables give to the method of a row with its options; `None` if the row lacks one of these
-/// fields.
+/// Returns the name that tables give to the method of a row with its options, such as `unified + pccm, 4 captures`.
+/// `None` if the row lacks one of the fields that the name has.
 fn method_name(row: &Row) -> Option<String> {
     let [method, beyond, fallback, captures] = ["method", "beyond", "fallback", "captures"].map(|field| row.get(field));
     let (method, beyond, fallback, captures) = (method?, beyond?, fallback?, captures?);
@@ -254,6 +254,7 @@ impl Library {
             Some(("*", files)) => (folders, files),
             Some((number, files)) => {
                 let number: usize = number.parse().map_err(|_| format!("@{number} is no folder"))?;
+                // A slice of one folder. The number 0 wraps to a range that no slice has.
                 let folder =
                     folders.get(number.wrapping_sub(1)..number).ok_or(format!("there is no folder {number}"))?;
                 (folder, files)

@@ -18,11 +18,12 @@ struct SceneFacts {
 /// The facts about the scenes that were asked for, by the scene's name.
 static KNOWN: Mutex<BTreeMap<&'static str, SceneFacts>> = Mutex::new(BTreeMap::new());
 
-/// Returns the facts about the scene of this name in the library; `None` if there is no such scene.
+/// Returns the facts about the scene of this name in the library; `None` if there is no such scene. The scene is made
+/// only for the first question about it, since that takes long; [`KNOWN`] keeps the facts.
 fn scene_facts(name: &str) -> Option<SceneFacts> {
-    let name = library::names().iter().copied().find(|known| *known == name)?;
-    let mut all = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(facts) = all.get(name) {
+    let name = library::names().iter().copied().find(|listed| *listed == name)?;
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(facts) = known.get(name) {
         return Some(facts.clone());
     }
     let scene = library::scene(name)?;
@@ -39,7 +40,7 @@ fn scene_facts(name: &str) -> Option<SceneFacts> {
     ];
     let counts = counts.map(|(what, count)| (what.to_owned(), count.to_string())).into();
     let lacking = METHODS.iter().filter(|m| !m.unmet_needs(&scene).is_empty()).map(|m| m.name).collect();
-    Some(all.entry(name).or_insert(SceneFacts { counts, lacking }).clone())
+    Some(known.entry(name).or_insert(SceneFacts { counts, lacking }).clone())
 }
 
 /// Returns the counts of a built-in scene: vertices, edges, textures and billboards. An edge counts once for all
@@ -53,8 +54,8 @@ pub fn lacks(scene: &str, method: &str) -> bool {
     scene_facts(scene).is_some_and(|facts| facts.lacking.contains(&method))
 }
 
-/// Returns the scene of a row from its fields `scene` and `case`. Without a scene, it is the library's scene with whose
-/// name the case begins, before a colon.
+/// Returns the scene of a row from its fields `scene` and `case`. Without the field `scene`, it is the library's scene
+/// that the case names before a colon, as in `rooms: camera on the floor`; `None` if it names none.
 pub fn scene_of_row<'a>(scene: Option<&'a str>, case: Option<&'a str>) -> Option<&'a str> {
     scene.or_else(|| case?.split_once(": ").map(|(name, _)| name).filter(|name| library::names().contains(name)))
 }

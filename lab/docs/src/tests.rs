@@ -56,7 +56,7 @@ fn repository(run: &str) -> (tempfile::TempDir, Queries, Vec<PathBuf>) {
 }
 
 #[test]
-fn queries_say_what_records_say() {
+fn an_answer_matches_groups_and_counts_the_rows_of_records() {
     let (_folder, queries, run) = repository("runs/2026-11-30-lavapipe");
     let says = |query: &str| queries.answer(query, &run);
     // Rows are matched by their views, in whatever order they stand.
@@ -69,7 +69,7 @@ fn queries_say_what_records_say() {
 }
 
 #[test]
-fn what_records_do_not_say_is_an_error() {
+fn a_query_for_which_records_are_missing_or_too_old_is_an_error() {
     let (_folder, queries, run) = repository("runs/2026-11-27-lavapipe");
     for (query, words) in [
         ("over a c", "has no other beside it"),

@@ -62,6 +62,7 @@ impl StudyOptions for AgeOptions {
         &self.common.device
     }
 
+    /// Makes the study. `--captures-per-frame` is refused, since `--faces` lists the numbers that are compared.
     fn study(&self) -> Result<AgeStudy> {
         let place = &self.common.place;
         let scene = resolve::scene(place, "museum")?;
@@ -114,11 +115,11 @@ mod tests {
 
     #[test]
     fn without_a_number_of_captures_the_study_has_as_many_as_the_scene_needs() {
-        let study = |more: &[&str]| {
-            let words = ["age", "--scene", "rooms", "--moving", "ball", "--step", "0.1,0,0"];
-            Age::try_parse_from(words.into_iter().chain(more.iter().copied())).expect("arguments").options.study()
+        let study = |more_flags: &[&str]| {
+            let flags = ["age", "--scene", "rooms", "--moving", "ball", "--step", "0.1,0,0"];
+            Age::try_parse_from(flags.into_iter().chain(more_flags.iter().copied())).expect("flags").options.study()
         };
-        let captures = |more: &[&str]| study(more).expect("a study").setup.effect().captures;
+        let captures = |more_flags: &[&str]| study(more_flags).expect("a study").setup.effect().captures;
         assert_eq!(captures(&[]), CaptureCount::Auto);
         assert_eq!(captures(&["--captures", "2"]), CaptureCount::Number(2));
         assert_eq!(captures(&["--fallback", "captures", "--method", "ssct"]), CaptureCount::None);

@@ -105,6 +105,7 @@ fn coordinates(sources: &[PathBuf]) -> crate::error::Result<Handedness> {
 }
 
 /// Draws captures of a scene, and writes the images, the sky and the list of captures into a folder ([`capture_file`]).
+/// The materials are those of the view that the options name, or else of the scene's first view.
 fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: &Path) -> anyhow::Result<()> {
     let view = match &options.view {
         Some(name) => Some(scene.view(name)?),
@@ -114,6 +115,7 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, scene)?;
     let sky = gbuffer::read_sky(&mut stage)?;
+    // All paths in the folder begin without a prefix.
     let (target, prefix) = (PathInFolder::folder(folder), Path::new(""));
     let texels_a_face = (sky.side * sky.side) as usize;
     for (face, texels) in sky.texels.chunks_exact(texels_a_face).enumerate() {
@@ -145,7 +147,7 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     Ok(())
 }
 
-/// Parses `auto` or a number of captures.
+/// Parses `auto` or a number of captures, from 1 to [`MAX_CAPTURES`].
 fn parse_wanted_captures(text: &str) -> Result<WantedCaptures, String> {
     match text.parse::<usize>() {
         _ if text == "auto" => Ok(WantedCaptures::Auto),

@@ -390,7 +390,7 @@ pub struct FiguresOptions {
 /// The greatest number of frames or of samples that a command takes.
 const MAX_COUNT: i64 = 1_000_000;
 
-/// Returns a parser of numbers of frames or samples, from `least` on.
+/// Returns a parser of numbers of frames or samples, from `least` to [`MAX_COUNT`].
 pub fn count_parser(least: i64) -> impl TypedValueParser<Value = usize> {
     clap::value_parser!(u32).range(least..=MAX_COUNT).map(|count| count as usize)
 }
@@ -398,11 +398,11 @@ pub fn count_parser(least: i64) -> impl TypedValueParser<Value = usize> {
 /// The greatest number of pixels of an image. Devices take less.
 const MAX_PIXELS: u64 = 1 << 30;
 
-/// Parses a size such as `960x540`.
+/// Parses the width and the height of an image in pixels, such as `960x540`. Both are at least 1.
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
-    let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
-    let [width, height] = [w, h].map(|v| v.trim().parse::<u32>());
+    let (width_text, height_text) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+    let [width, height] = [width_text, height_text].map(|side| side.trim().parse::<u32>());
     match (width, height) {
         (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
         (Ok(width), Ok(height)) if u64::from(width) * u64::from(height) > MAX_PIXELS => {
@@ -413,10 +413,10 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// Parses a point such as `1.5,0,-3`.
+/// Parses a point such as `1.5,0,-3`: x, y and z, all finite.
 pub fn parse_point(text: &str) -> Result<Vec3, String> {
-    let parts: Vec<_> = text.split(',').map(|v| v.trim().parse::<f32>()).collect();
-    match parts[..] {
+    let coordinates: Vec<_> = text.split(',').map(|number| number.trim().parse::<f32>()).collect();
+    match coordinates[..] {
         [Ok(x), Ok(y), Ok(z)] if Vec3::new(x, y, z).is_finite() => Ok(Vec3::new(x, y, z)),
         _ => Err(format!("{text:?} is no point; write it as 1.5,0,-3")),
     }

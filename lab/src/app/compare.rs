@@ -202,7 +202,7 @@ fn load(path: &Path) -> Result<Run> {
     Ok(Run { name, device, samples: files::read_samples(&PathInFolder::file(file))? })
 }
 
-/// Compares the compiled programs of two folders.
+/// Compares the compiled programs of two folders of `ssct shaders`, and writes and prints the result.
 fn compare_shaders(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("shaders")?;
     let paths = [&options.first, options.second()?];
@@ -220,24 +220,24 @@ fn compare_shaders(options: &CompareOptions) -> anyhow::Result<()> {
     print_result(options, json, text)
 }
 
-/// Compares two images of one size.
+/// Compares two images, and writes and prints the result. Images of different sizes are an error.
 fn compare_images(options: &CompareOptions) -> anyhow::Result<()> {
     options.refuse_options_of_times("images")?;
     let [(name_a, image_a), (name_b, image_b)] =
         [&options.first, options.second()?].map(|p| (p.display().to_string(), images::read_image(p)));
     let (image_a, image_b) = (&image_a?, &image_b?);
-    let Some(found) = compare::images((&*name_a, image_a), (&*name_b, image_b)) else {
+    let Some(comparison) = compare::images((&*name_a, image_a), (&*name_b, image_b)) else {
         let size = |image: &compare::LinearImage| format!("{}x{}", image.width, image.height);
         let (size_a, size_b) = (size(image_a), size(image_b));
         anyhow::bail!("images of one size are compared; {name_a} has {size_a} pixels, {name_b} has {size_b}");
     };
     if let Some(folder) = &options.output {
-        report::write_images(&PathInFolder::folder(folder), &found)?;
+        report::write_images(&PathInFolder::folder(folder), &comparison)?;
     }
-    print_result(options, || files::json(std::slice::from_ref(&found)), || report::images_text(&found))
+    print_result(options, || files::json(std::slice::from_ref(&comparison)), || report::images_text(&comparison))
 }
 
-/// Prints the result as JSON or as text, as the options say.
+/// Prints the result as JSON or as text, as `--json` says. Only the function of the form that is printed is called.
 fn print_result(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
     let shown = if options.json { json() } else { text() };
     printed::out().write_all(shown.as_bytes())?;

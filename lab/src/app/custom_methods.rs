@@ -42,7 +42,7 @@ pub fn add_folders(
     let reserved = LazyCell::new(|| reserved_names(&commands()));
     let mut added = HashMap::new();
     let mut replaced = Vec::new();
-    // The flag whose value the next argument is, if the last argument was such a flag.
+    // The last argument, if it is a flag that names methods; then the next argument is the value of this flag.
     let mut open_flag: Option<&str> = None;
     for argument in arguments {
         let Some(text) = argument.to_str() else {
@@ -117,15 +117,16 @@ fn replace_folders(
     reserved: &impl Deref<Target = BTreeSet<String>>,
     added: &mut HashMap<PathBuf, &'static str>,
 ) -> Result<String> {
-    let mut name = |text: &str| -> Result<String> {
+    // The name of the method that a word of the value names itself or by its folder.
+    let mut method_name = |text: &str| -> Result<String> {
         let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };
         // A folder is added once, even if two arguments write its path differently.
-        let place = folder.canonicalize().unwrap_or_else(|_| folder.clone());
-        if let Some(name) = added.get(&place) {
+        let canonical = folder.canonicalize().unwrap_or_else(|_| folder.clone());
+        if let Some(name) = added.get(&canonical) {
             return Ok((*name).to_owned());
         }
         let info = custom::add(&folder, reserved)?;
-        added.insert(place, info.name);
+        added.insert(canonical, info.name);
         Ok(info.name.to_owned())
     };
     if VARIANTS.contains(&flag) {
@@ -135,9 +136,9 @@ fn replace_folders(
             let message = format!("{VARIANT} {value:?}: {INCLUDE} stands outside the quotes, for all methods");
             return Err(Error::usage(message));
         }
-        return Ok(format!("{} {flags}", name(method)?).trim_end().to_owned());
+        return Ok(format!("{} {flags}", method_name(method)?).trim_end().to_owned());
     }
-    let names: Vec<String> = value.split(',').map(name).collect::<Result<_>>()?;
+    let names: Vec<String> = value.split(',').map(method_name).collect::<Result<_>>()?;
     Ok(names.join(","))
 }
 

@@ -6,7 +6,7 @@ use crate::study::names::json_text;
 use ssct::gpu::device;
 use std::io::Write;
 
-/// Lists the devices. The default device is chosen by its type, not by its place in the list.
+/// Prints the devices that Vulkan lists, as text or as JSON, each with its index and, if it cannot be used, the reason.
 pub fn run(options: &DevicesOptions) -> anyhow::Result<()> {
     let listing = device::devices()?;
     let mut out = printed::out();
@@ -14,9 +14,10 @@ pub fn run(options: &DevicesOptions) -> anyhow::Result<()> {
         writeln!(out, "{}", json_text(&serde_json::to_string_pretty(&listing)?))?;
         return Ok(());
     }
-    for d in &listing {
-        let why = d.unsuitable.as_ref().map(|w| format!(" (unusable: {w})")).unwrap_or_default();
-        writeln!(out, "{}  {}, {}, Vulkan {}, {}{why}", d.index, d.info.name, d.info.kind, d.info.api, d.info.driver)?;
+    for device in &listing {
+        let why = device.unsuitable.as_ref().map(|why| format!(" (unusable: {why})")).unwrap_or_default();
+        let info = &device.info;
+        writeln!(out, "{}  {}, {}, Vulkan {}, {}{why}", device.index, info.name, info.kind, info.api, info.driver)?;
     }
     if listing.is_empty() {
         writeln!(out, "no Vulkan device; scripts/setup.sh installs one that runs on the CPU")?;

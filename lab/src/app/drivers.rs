@@ -35,8 +35,8 @@ pub struct DriversOptions {
     pub json: bool,
 }
 
-/// Compares the images and the G-buffers of every other device with those of the device that the flags name, and writes
-/// and prints the records.
+/// Compares every other device with the device that the flags name, and writes and prints the records. It compares
+/// the images of methods on one G-buffer, at each roughness, and then the G-buffers that the devices draw themselves.
 pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, "rooms")?;
@@ -69,8 +69,8 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     }
     bar.finish_and_clear();
     let text = tables::text(&[AgreementRecord::table(&records), DrawnRecord::table(&drawn)]);
-    let all = records.iter().map(serde_json::to_value).chain(drawn.iter().map(serde_json::to_value));
-    let json = files::json(&all.collect::<std::result::Result<Vec<Value>, _>>()?);
+    let all_records = records.iter().map(serde_json::to_value).chain(drawn.iter().map(serde_json::to_value));
+    let json = files::json(&all_records.collect::<std::result::Result<Vec<Value>, _>>()?);
     if let Some(folder) = &options.output {
         let folder = PathInFolder::folder(folder);
         folder.join("drivers.json").write(json.as_bytes())?;

@@ -54,6 +54,7 @@ impl StudyOptions for ErrorOptions {
         &self.common.device
     }
 
+    /// Makes the study. Without `--scene`, it has all built-in scenes, or the rooms alone with `--quick`.
     fn study(&self) -> Result<ErrorStudy> {
         if self.samples == 0 || self.rays < 2 {
             return Err(Error::usage("--samples must be at least 1, and --rays at least 2".into()));

@@ -26,7 +26,8 @@ use ssct_scenes::{LoadOptions, Scene};
 use std::io::Write;
 use std::path::Path;
 
-/// Makes the figures and writes their page.
+/// Makes the figures that the options name and the folder does not have yet, and writes their page. A shard makes its
+/// own share alone.
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let own_scene = options.scene.as_deref().map(OwnScene::load).transpose()?;
     let wanted = find_plates(&options.only, own_scene.as_ref())?;
@@ -69,11 +70,12 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     };
     let mut text: String = entries.iter().map(line).collect();
     let written = write_page(&folder, &entries, gpu.info(), &command(options, &options.only.join(",")));
-    let made = entries.iter().filter(|e| e.file.is_ok()).count();
+    let made_count = entries.iter().filter(|e| e.file.is_ok()).count();
     let made_all = run.outcome_with_journal(outcome);
     let finished = if made_all.is_ok() && written.is_ok() {
         let index = options.output.join(INDEX);
-        text.push_str(&format!("{}: {made} figures, {} left out\n", index.display(), entries.len() - made));
+        let left_out_count = entries.len() - made_count;
+        text.push_str(&format!("{}: {made_count} figures, {left_out_count} left out\n", index.display()));
         run.finish()
     } else {
         Ok(())
@@ -116,7 +118,7 @@ struct OwnScene {
 }
 
 impl OwnScene {
-    /// Loads the scene of a file. Its views decide which printed scene it is.
+    /// Loads the scene of a file. Its views decide which printed scene it is; it is an error if they are those of none.
     fn load(path: &Path) -> Result<Self> {
         let file = path.to_string_lossy().into_owned();
         if !path.is_file() {
@@ -172,7 +174,8 @@ fn find_plates(only: &[String], own_scene: Option<&OwnScene>) -> Result<Vec<&'st
     Ok(available.into_iter().filter(|p| only.is_empty() || only.iter().any(|name| has_name(p, name))).collect())
 }
 
-/// Makes a figure, writes its file, and returns its entry on the page.
+/// Makes a figure, writes its file, and returns its entry on the page. A figure that this program cannot make gets an
+/// entry with the reason, and no file.
 fn make_figure(
     plate: &Plate,
     renderer: &mut FigureRenderer,
@@ -208,8 +211,8 @@ fn make_figure(
 }
 
 /// Writes a figure to a file and returns the file's name.
-fn write_figure(plate: &Plate, made: FinishedFigure, folder: &PathInFolder) -> Result<String> {
-    match made {
+fn write_figure(plate: &Plate, figure: FinishedFigure, folder: &PathInFolder) -> Result<String> {
+    match figure {
         FinishedFigure::Picture(picture) => {
             let file = format!("{}.png", plate.stem());
             picture.write_png(folder.join(&file))?;
@@ -246,10 +249,10 @@ fn group_by_document(entries: &[Entry]) -> Vec<Group> {
              frames per second on the way through a scene: ssct path.",
         ),
     ];
-    let group = |(source, title, text): (Document, &str, &str)| {
-        let is_of_document = |e: &&Entry| plates().any(|p| p.source == source && p.stem() == e.stem);
+    let group = |(document, title, description): (Document, &str, &str)| {
+        let is_of_document = |e: &&Entry| plates().any(|p| p.source == document && p.stem() == e.stem);
         let entries: Vec<Entry> = entries.iter().filter(is_of_document).cloned().collect();
-        let (id, title, source) = (source.stem().to_owned(), title.to_owned(), text.to_owned());
+        let (id, title, source) = (document.stem().to_owned(), title.to_owned(), description.to_owned());
         (!entries.is_empty()).then_some(Group { id, title, source, entries })
     };
     documents.into_iter().filter_map(group).collect()

@@ -41,7 +41,8 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs a method on the G-buffer of a file, and writes the image.
+/// Runs a method on the G-buffer of a file, and writes the image. Rays that the screen loses go on among the triangles
+/// of `--triangles` or in the captures of `--captures`, if the method follows them.
 fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::check_extension(&options.output)?;
     check_is_no_input(&options.output, [Some(&*options.file), options.gbuffer_map.as_deref()])?;
@@ -60,11 +61,12 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     let setup = options.beside.method_options.setup([data.width, data.height]);
     methods::check_read(&[method], &setup)?;
     let setup = for_one_image(setup);
-    let made = match &scene {
+    let reflected = match &scene {
         Some(scene) => gbuffer::reflect_in(&gpu, scene, &data, method, &setup)?,
         None => gbuffer::reflect(&gpu, &data, captures.as_ref(), method, &setup)?,
     };
-    images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
+    let image = if options.reflection_only { &reflected.reflection } else { &reflected.composite };
+    images::write_image(&options.output, image)?;
     gpu.check_validation()?;
     Ok(())
 }

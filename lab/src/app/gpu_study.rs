@@ -88,6 +88,7 @@ struct Plan {
 }
 
 impl Plan {
+    /// Makes the plan of a full study or, if `quick`, of one that a CPU can measure in minutes.
     fn new(quick: bool) -> Self {
         let table_sizes = table_5_8::sizes();
         if quick {
@@ -194,8 +195,8 @@ impl Plan {
     }
 }
 
-/// Returns a variant in each shader stage in which its rays can be traced. Only compute shaders follow rays in captures
-/// or among triangles.
+/// Returns a variant in each shader stage in which its rays can be traced: in fragment and in compute shaders, or in
+/// compute shaders alone, since only these follow rays in captures or among triangles.
 fn in_its_stages(variant: &Variant) -> Vec<Variant> {
     let effect = variant.setup.effect();
     let has_scene = true;
@@ -240,14 +241,13 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let mut run = Run::begin(Some(path), options.resume)?;
     let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
     let table_place = place(TABLE_VIEW)?;
-    let table = plan.table(&gpu, &table_place);
+    let table = [plan.table(&gpu, &table_place)];
     let timed_places = &places[..plan.timed_views()];
     let methods: Vec<_> = timed_places.iter().map(|place| plan.methods(&gpu, place)).collect();
     let orders: Vec<_> = places.iter().map(|place| plan.tracing_orders(&gpu, place)).collect();
     let tracers: Vec<_> = places.iter().filter_map(|place| plan.tracers(&gpu, place)).collect();
-    let stages = plan.stages(&gpu, &places[0]);
+    let stages = [plan.stages(&gpu, &places[0])];
     let readme_specs = timed_places.iter().map(|place| plan.readme(&gpu, place)).collect::<Result<Vec<_>>>()?;
-    let (table, stages) = ([table], [stages]);
     let other_specs: [(&str, &[TimeSpec]); 5] = [
         ("table 5.8", &table),
         ("every method in either stage", &methods),
@@ -258,10 +258,10 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let all_specs = || readme_specs.iter().chain(other_specs.iter().flat_map(|(_, specs)| *specs));
     let bar = progress::bar("gpu-study", all_specs().map(TimeSpec::frames).sum());
     // The README's numbers are measured before the others, and the findings other than times after them.
-    let (parts, mut part) = (other_specs.len() + 2, 0);
+    let (part_count, mut part) = (other_specs.len() + 2, 0);
     let mut begin_part = |what: &str| {
         part += 1;
-        progress::part(&bar, &format!("gpu-study, part {part} of {parts}: {what}"));
+        progress::part(&bar, &format!("gpu-study, part {part} of {part_count}: {what}"));
     };
 
     let mut measure = || -> Result<(Vec<ReadmeRecord>, Findings)> {
@@ -286,11 +286,11 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let [table, methods, orders, tracers, stages] = other_specs.map(|(_, specs)| records(specs));
     let times = DeviceTimes { table, methods, orders, tracers, readme: records(&readme_specs), stages };
     // Measured times are written even after an error; that error is reported before an error of writing.
-    let all = times.all();
+    let all_times = times.all();
     let written = folder
         .join("time.json")
-        .write(files::json(&all).as_bytes())
-        .and_then(|()| folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all)).as_bytes()));
+        .write(files::json(&all_times).as_bytes())
+        .and_then(|()| folder.join(timing::SAMPLES).write(files::csv(&timing::sample_cells(&all_times)).as_bytes()));
     let (readme, findings) = run.outcome_with_journal(outcome)?;
     written?;
     report::write(&folder, gpu.info(), &command(options), (&times, &readme), &findings)?;
@@ -415,7 +415,7 @@ fn screen_space_part<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
     AgreementSpec { methods, ..spec.clone() }
 }
 
-/// The beginning of the names of the kept files: the roughness of the comparison.
+/// The part of the names of kept files that tells comparisons apart: the roughness, such as `0.1`.
 fn stem(spec: &AgreementSpec) -> String {
     spec.globals.roughness.unwrap_or_default().to_string()
 }
@@ -428,13 +428,14 @@ fn compare_with_kept(gpu: &Gpu, folder: &PathInFolder, specs: &[AgreementSpec]) 
         let data = kept_images::read_gbuffer(folder, &stem(&spec))?;
         let kept = kept_images::read(folder, &stem(&spec), &data, &spec.methods)?;
         let spec = AgreementSpec { methods: kept.iter().map(|k| k.method).collect(), ..spec };
-        let made = agreement::images(gpu, &spec, &data)?;
-        records.extend(agreement::compare(gpu, &base, &spec, &data, [&kept, &made]));
+        let own = agreement::images(gpu, &spec, &data)?;
+        records.extend(agreement::compare(gpu, &base, &spec, &data, [&kept, &own]));
     }
     Ok(records)
 }
 
-/// Returns the messages of the validation layers about every method, or the reason why the layers cannot watch.
+/// Runs every method under the validation layers, on the G-buffer of each comparison. Returns the layers' messages, or
+/// the reason why they cannot watch.
 fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
     let watched = match other_devices::validated(gpu) {
         Err(Error::Ssct(ssct::Error::Usage(why))) => return Ok(LayerMessages::Unknown(why)),

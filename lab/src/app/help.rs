@@ -150,7 +150,7 @@ const SHORT: [&str; 26] = [
 /// The options that every short help shows last.
 const SHORT_LAST: [&str; 5] = ["json", "resume", "shard", "device", "help"];
 
-/// A command with at most so many options shows all of them in its short help.
+/// The number of options up to which the short help of a command shows all of them.
 const FEW: usize = 16;
 
 /// The greatest width in characters of an option with its value in the short help. With more, clap would put the help into the next line of
@@ -247,16 +247,17 @@ fn index_in(list: &[&str], argument: &Arg) -> usize {
 /// others are.
 fn arrange_short(command: Command, path: &str) -> Command {
     let options = || command.get_arguments().filter(|a| !a.is_positional());
-    let all = options().count();
-    let has_few = all <= FEW;
-    // An option of `SHORT` has its index there, an option in neither list SHORT.len(), and one of `SHORT_LAST` more.
+    let count = options().count();
+    let has_few = count <= FEW;
+    // An option of `SHORT` has its index there as its place, and one of `SHORT_LAST` a place behind them. An option in
+    // neither list has the place SHORT.len(), by which it is known below.
     let order = |a: &Arg| match index_in(&SHORT_LAST, a) {
         index if index < SHORT_LAST.len() => SHORT.len() + 1 + index,
         _ => index_in(&SHORT, a),
     };
     let is_shown = |a: &Arg| has_few || a.is_required_set() || order(a) != SHORT.len();
     let shown = options().filter(|a| is_shown(a)).count();
-    let more = match all - shown {
+    let more = match count - shown {
         0 => format!("More about them: {path} --help"),
         hidden => format!("{hidden} more options, under headings: {path} --help"),
     };
@@ -286,7 +287,8 @@ fn narrow(argument: Arg) -> Arg {
     }
 }
 
-/// Puts every option under its heading, and headings and options in their order.
+/// Arranges a command for the long help: puts every option under its heading, and headings and options in the order of
+/// [`HEADINGS`].
 fn arrange_long(command: Command) -> Command {
     let find_heading = |argument: &Arg| {
         let lists_option = |(_, ids): &&(&str, &[&str])| index_in(ids, argument) < ids.len();

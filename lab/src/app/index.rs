@@ -101,7 +101,7 @@ fn relative_path(output: &Path, library: &Path) -> Result<Option<String>> {
     Ok(library.strip_prefix(&output).ok().map(with_slashes))
 }
 
-/// The command as the page shows it.
+/// The command as the page shows it, with the values of all options.
 fn command(options: &IndexOptions) -> String {
     let output = options.output.as_ref().map(|o| format!(" -o {}", o.display())).unwrap_or_default();
     format!("ssct index {}{output} --base {} --threshold {}", options.folder.display(), options.base, options.threshold)

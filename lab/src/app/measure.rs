@@ -33,8 +33,8 @@ pub trait StudyOptions: Sized {
     }
 
     /// Measures what the flags ask for.
-    fn run(&self, to: &RunOptions) -> anyhow::Result<()> {
-        run(self, to)
+    fn run(&self, run_options: &RunOptions) -> anyhow::Result<()> {
+        run(self, run_options)
     }
 
     /// The mergers for shards of every study that the flags can ask for.
@@ -59,15 +59,16 @@ pub struct Measured<O: Args> {
     pub run: RunOptions,
 }
 
-/// Measures the cells that the journal lacks, then writes and prints the results.
+/// Measures the cells of the study that the journal of its folder lacks, then writes and prints the results. `options`
+/// says what is measured, and `run_options` which shard of it, and where the results go.
 ///
 /// # Errors
 /// Errors of the flags, of the measurement and of files, and an error for a row that has to pass and does not.
-pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> {
+pub fn run<O: StudyOptions>(options: &O, run_options: &RunOptions) -> anyhow::Result<()> {
     let mut study = options.study()?;
     let gpu = options.open()?;
-    let list = engine::list(&study, &gpu, command_line(), to.shard);
-    let mut run = Run::begin(to.output.as_deref(), to.resume)?;
+    let list = engine::list(&study, &gpu, command_line(), run_options.shard);
+    let mut run = Run::begin(run_options.output.as_deref(), run_options.resume)?;
     run.write_list(&list)?;
     let unreadable = engine::unreadable::<<O::Study as Study>::Row>(&list, &run.journal);
     if let [first, ..] = &unreadable[..] {
@@ -78,7 +79,7 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     }
     let bar = progress::bar(<O::Study as Study>::Row::KIND, engine::steps(&study, &list));
     let keep = &mut |file: &ExtraFile| {
-        let Some(folder) = &to.output else { return Ok(()) };
+        let Some(folder) = &run_options.output else { return Ok(()) };
         Ok(results::write_extra_file(&PathInFolder::folder(folder), file)?)
     };
     let advance = &mut |steps: usize| bar.inc(steps as u64);
@@ -95,12 +96,12 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
     let rows = engine::rows::<<O::Study as Study>::Row>(&list, &run.journal);
     let missing = engine::missing::<<O::Study as Study>::Row>(&list, &run.journal);
     let results = Results { rows: &rows, list: &list, missing: &missing };
-    let written = write(to, &results).and_then(|()| options.write_more(&list, &run.journal));
+    let written = write(run_options, &results).and_then(|()| options.write_more(&list, &run.journal));
     let measured = run.outcome_with_journal(outcome);
     let is_whole = measured.is_ok() && written.is_ok();
     let finished = if is_whole { run.finish() } else { Ok(()) };
     // Printing comes last, so that a reader who closes the pipe early loses no file.
-    let shown = if to.json { results.json() } else { results.text() };
+    let shown = if run_options.json { results.json() } else { results.text() };
     let printed = printed::out().write_all(shown.as_bytes());
     measured?;
     written?;
@@ -111,6 +112,6 @@ pub fn run<O: StudyOptions>(options: &O, to: &RunOptions) -> anyhow::Result<()> 
 }
 
 /// Writes the results into the folder of the run, if the run has a folder.
-fn write<R: Row>(to: &RunOptions, results: &Results<R>) -> Result<()> {
-    to.output.as_ref().map_or(Ok(()), |folder| Ok(results.write(&PathInFolder::folder(folder))?))
+fn write<R: Row>(run_options: &RunOptions, results: &Results<R>) -> Result<()> {
+    run_options.output.as_ref().map_or(Ok(()), |folder| Ok(results.write(&PathInFolder::folder(folder))?))
 }

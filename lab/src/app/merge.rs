@@ -106,7 +106,8 @@ fn check_nothing_is_lost(folder: &PathInFolder, merged: &MergedRun) -> Result<()
     )))
 }
 
-/// The merger of figures, which are no study.
+/// The merger of figures, which are no study. A result is the figure's entry in the journal. No field of it is a time,
+/// and no figure counts as a failure.
 fn figures_merger() -> Merger {
     let results = ResultKind { read: |_, listed, journal| journal.value(&listed.key).cloned(), is_time: |_| false };
     Merger { kind: "figures", results, check: check_figures, write: write_figures, judge: |_| Ok(()) }
@@ -139,36 +140,37 @@ struct DrawnFigure {
 }
 
 /// Makes the error for a result in the merged journal that is no figure.
-fn unreadable(e: serde_json::Error) -> Error {
+fn unreadable_figure(e: serde_json::Error) -> Error {
     Error::malformed(run_folder::JOURNAL, None, format!("holds a result that cannot be read: {e}"))
 }
 
-/// Writes the figures of each device, and their pages.
+/// Writes the figures of each device with a page. If several devices drew figures, each has a folder of its own, and a
+/// further page and `figures.json` are about all of them.
 fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result<()> {
     let drawn_figure = |result: &MergedResult| {
-        let entry = Entry::deserialize(&result.value).map_err(unreadable)?;
+        let entry = Entry::deserialize(&result.value).map_err(unreadable_figure)?;
         Ok(DrawnFigure { device: merged.cells.devices[result.device].clone(), entry })
     };
-    let all = merged.results.iter().map(drawn_figure).collect::<Result<Vec<_>>>()?;
+    let drawn_figures = merged.results.iter().map(drawn_figure).collect::<Result<Vec<_>>>()?;
     let CellList { command, definitions, devices, .. } = &merged.cells;
     // Runs on one device must draw equal files.
     let must_be_equal = devices.len() == 1;
-    let device_figures = by_device(&all, |r| &r.device);
-    let mut parts = Vec::new();
+    let device_figures = by_device(&drawn_figures, |figure| &figure.device);
+    let mut device_texts = Vec::new();
     for (n, (device, drawn)) in device_figures.iter().enumerate() {
         let target = if device_figures.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
-        for file in drawn.iter().filter_map(|r| r.entry.file.as_ref().ok()) {
+        for file in drawn.iter().filter_map(|figure| figure.entry.file.as_ref().ok()) {
             copies::copy_file(&picture_candidates(inputs, Some(device), file), &target.join(file), must_be_equal)?;
         }
-        let entries: Vec<Entry> = drawn.iter().map(|r| r.entry.clone()).collect();
+        let entries: Vec<Entry> = drawn.iter().map(|figure| figure.entry.clone()).collect();
         figures::write_page(&target, &entries, device, command)?;
-        let text = drawn.iter().map(|r| format!("{}\n", r.entry.title)).collect();
-        parts.push(DeviceText { title: device_name(device), text, folder: device_folder(n) });
+        let text = drawn.iter().map(|figure| format!("{}\n", figure.entry.title)).collect();
+        device_texts.push(DeviceText { title: device_name(device), text, folder: device_folder(n) });
     }
     let page = folder.join(PAGE);
     if device_figures.len() > 1 {
-        folder.join("figures.json").write(files::json(&all).as_bytes())?;
-        let text = html::devices_page("Merged: figures", *definitions, command, &parts, &merged.missing);
+        folder.join("figures.json").write(files::json(&drawn_figures).as_bytes())?;
+        let text = html::devices_page("Merged: figures", *definitions, command, &device_texts, &merged.missing);
         page.write(text.as_bytes())?;
     } else if !merged.missing.is_empty() {
         let text = String::from_utf8_lossy(&page.bytes()?).into_owned();

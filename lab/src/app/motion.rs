@@ -39,6 +39,7 @@ impl StudyOptions for MotionOptions {
         &self.common.device
     }
 
+    /// Makes the study, on all views of the scene if the options name none.
     fn study(&self) -> Result<MotionStudy> {
         let place = &self.common.place;
         if place.reflectivity != 1.0 || place.normal_deviation.is_some() {
@@ -47,10 +48,11 @@ impl StudyOptions for MotionOptions {
         }
         let scene = resolve::scene(place, "rooms")?;
         let views = match (&place.view, place.eye) {
-            (None, None) => scene.views.iter().map(|v| resolve::with_lens(&scene, v.clone(), place)).collect(),
-            _ => resolve::view(&scene, place, None).map(|v| vec![v]),
+            (None, None) => scene.views.iter().map(|view| resolve::with_lens(&scene, view.clone(), place)).collect(),
+            _ => resolve::view(&scene, place, None).map(|view| vec![view]),
         }?;
-        let roughness = resolve::globals_or(place, &ROUGHNESS)?.iter().filter_map(|g| g.roughness).collect();
+        let globals = resolve::globals_or(place, &ROUGHNESS)?;
+        let roughness = globals.iter().filter_map(|globals| globals.roughness).collect();
         let setup = self.common.method_options.setup(self.size);
         let methods = resolve::methods(&self.method, &setup, &[&scene], &resolve::lenses(&scene, &views))?;
         let (frames, rays) = (self.frames, self.rays);

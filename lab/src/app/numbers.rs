@@ -5,8 +5,8 @@ use clap::Command;
 use clap::builder::ValueParser;
 use std::any::TypeId;
 
-/// Returns the command line with options that take `-0.1` after a blank as well as after `=`, and whose errors say that
-/// a text is no number.
+/// Returns the command line, with its subcommands, so changed that options take `-0.1` after a blank as well as after
+/// `=`. An error about an option of type `f32` then says that the text is no number.
 pub fn with_number_parsers(command: Command) -> Command {
     let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
     let command = nested.iter().fold(command, |command, name| command.mut_subcommand(name, with_number_parsers));
@@ -47,6 +47,7 @@ mod tests {
         size: Option<[u32; 2]>,
     }
 
+    /// Parses a command line of the two options above; an error is the message that a user sees.
     fn parse(words: &[&str]) -> Result<(Vec<f32>, Option<[u32; 2]>), String> {
         let command = with_number_parsers(<Options as clap::CommandFactory>::command().no_binary_name(true));
         let matches = command.try_get_matches_from(words).map_err(|e| e.to_string())?;
@@ -55,19 +56,19 @@ mod tests {
     }
 
     #[test]
-    fn both_spellings_of_a_negative_number_are_one() {
+    fn a_negative_number_may_follow_a_blank_or_an_equals_sign() {
         assert_eq!(parse(&["--roughness", "-0.1"]), parse(&["--roughness=-0.1"]));
         assert_eq!(parse(&["--roughness", "0.1,-0.5"]), Ok((vec![0.1, -0.5], None)));
     }
 
     #[test]
-    fn there_is_one_zero() {
+    fn minus_zero_is_read_as_zero() {
         let (zeros, _) = parse(&["--roughness", "0,-0,-0.0"]).expect("numbers");
         assert_eq!(zeros.iter().map(f32::to_string).collect::<Vec<_>>(), ["0"; 3]);
     }
 
     #[test]
-    fn what_is_no_number_is_said_in_words() {
+    fn an_error_quotes_the_text_and_shows_how_to_write_the_value() {
         for words in [&["--roughness", "0.5f"][..], &["--roughness=0.5f"]] {
             let message = parse(words).unwrap_err();
             assert!(message.contains("\"0.5f\" is no number; write it as 0.5"), "{message}");

@@ -39,20 +39,22 @@ impl MethodOptions {
                 values.preset = Preset::of_name(text).ok_or_else(unknown)?;
                 continue;
             }
-            let row = parameters.iter().map(|(p, _)| p).find(|p| p.typed_name() == name);
-            let row = row.ok_or_else(|| usage(format!("no method has a parameter {name:?}")))?;
-            values.set(row, row.parse(text)?);
+            let known = parameters.iter().map(|(parameter, _)| parameter).find(|p| p.typed_name() == name);
+            let parameter = known.ok_or_else(|| usage(format!("no method has a parameter {name:?}")))?;
+            values.set(parameter, parameter.parse(text)?);
         }
         Ok(Self { values })
     }
 
-    /// Returns the parameters that a command line gives: the name of each flag, and its value as it was typed.
+    /// Returns the parameters that a user typed on a command line: the name of each flag, and its value as it was
+    /// typed. Values that are defaults are left out.
     pub fn typed(matches: &ArgMatches) -> Vec<(String, String)> {
         let given_value = |id: &String| {
             let is_given = matches.try_contains_id(id).unwrap_or(false)
                 && matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
-            let raw = || matches.get_raw(id).and_then(|mut v| v.next()).map(|v| v.to_string_lossy().into_owned());
-            is_given.then(|| (id.clone(), raw().unwrap_or_default()))
+            let value =
+                || matches.get_raw(id).and_then(|mut v| v.next()).map(|text| text.to_string_lossy().into_owned());
+            is_given.then(|| (id.clone(), value().unwrap_or_default()))
         };
         let mut names: Vec<_> = methods::parameters().into_iter().map(|(p, _)| p.typed_name()).collect();
         names.push(PRESET.to_owned());
@@ -72,7 +74,8 @@ pub struct TypedVariant {
 }
 
 impl TypedVariant {
-    /// The method with a base's setup, in which the variant's own flags replace values.
+    /// The method with a base's setup, in which the variant's own flags replace values. It is an error if the method
+    /// does not exist or does not read one of these flags.
     pub fn with_base(&self, base: &Setup) -> crate::error::Result<Variant> {
         let method = methods::find(&self.method)?;
         methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;
@@ -110,24 +113,26 @@ pub fn choice_parser<T: Choices + Send + Sync>() -> impl TypedValueParser<Value 
         .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
 }
 
-/// Makes the flag for parameters that have one name, each given with the methods that read it. The help has the values
-/// of both presets, which may differ between methods; all these parameters accept the same values.
+/// Makes the flag for parameters that have one name, each given with the methods that read it. The help names the
+/// values of both presets, published and author, which may differ between methods. All these parameters accept the same
+/// values.
 fn flag(declarations: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
     let (parameter, _) = &declarations[0];
-    let values = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
+    // The values of the presets in brackets, with the names of the methods if these are few.
+    let preset_text = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
         let names: Vec<_> = methods.iter().map(|m| m.name).collect();
         let names = if names.len() < 4 { format!("{}; ", names.join(", ")) } else { String::new() };
         let author = if p.author == p.published { String::new() } else { format!("; author: {}", p.author) };
         format!("[{names}published: {}{author}]", p.published)
     };
-    let values = declarations.iter().map(values).collect::<Vec<_>>().join(" ");
+    let presets = declarations.iter().map(preset_text).collect::<Vec<_>>().join(" ");
     let excluded = EXCLUSIONS.iter().filter(|exclusion| exclusion.parameter == parameter.name);
     let refused: String = excluded.map(|exclusion| format!(" It is refused {}.", exclusion.refused)).collect();
-    let about = format!("{}{refused} {values}", parameter.help);
-    let (first, _) = parameter.help.split_once(". ").unwrap_or((parameter.help.trim_end_matches('.'), ""));
+    let about = format!("{}{refused} {presets}", parameter.help);
+    let (first_sentence, _) = parameter.help.split_once(". ").unwrap_or((parameter.help.trim_end_matches('.'), ""));
     let argument = Arg::new(parameter.typed_name())
         .long(parameter.typed_name())
-        .help(first.to_owned())
+        .help(first_sentence.to_owned())
         .long_help(about.clone())
         .help_heading(heading(declarations));
     let parsed_parameter = parameter.clone();
@@ -173,7 +178,7 @@ fn heading(declarations: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
 
 /// Makes the parser of a parameter that takes few values, all of which the help lists.
 fn possible_values(parameter: &Parameter) -> ValueParser {
-    let few = match &parameter.domain {
+    let values = match &parameter.domain {
         Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
         domain => domain
             .all_if_few()
@@ -182,7 +187,7 @@ fn possible_values(parameter: &Parameter) -> ValueParser {
             .map(|v| PossibleValue::new(v.to_string()))
             .collect::<Vec<_>>(),
     };
-    PossibleValuesParser::new(few).into()
+    PossibleValuesParser::new(values).into()
 }
 
 impl Args for MethodOptions {
@@ -205,11 +210,11 @@ impl Args for MethodOptions {
             .value_parser(clap::value_parser!(PathBuf))
             .action(clap::ArgAction::Append);
         // Parameters of one name, which several methods may declare, share one flag.
-        let mut all = methods::parameters();
+        let mut remaining = methods::parameters();
         let mut command = command.arg(preset).arg(include);
-        while let Some((first, _)) = all.first().cloned() {
-            let (same, rest) = all.into_iter().partition::<Vec<_>, _>(|(p, _)| p.name == first.name);
-            (command, all) = (command.arg(flag(&same)), rest);
+        while let Some((first, _)) = remaining.first().cloned() {
+            let (same_name, others) = remaining.into_iter().partition::<Vec<_>, _>(|(p, _)| p.name == first.name);
+            (command, remaining) = (command.arg(flag(&same_name)), others);
         }
         command
     }
@@ -265,6 +270,8 @@ impl Args for BesideGBufferOptions {
 }
 
 impl FromArgMatches for BesideGBufferOptions {
+    /// Reads the flags. `--captures` names a folder here, `none` means no captures, and a folder that is not there is
+    /// an error.
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let wrong = |message: String| clap::Error::raw(clap::error::ErrorKind::ValueValidation, message + "\n");
         let typed = MethodOptions::typed(matches);
@@ -298,6 +305,7 @@ mod tests {
     use ssct::methods::METHODS;
     use ssct::methods::setup::{CaptureCount, HistoryUse};
 
+    /// Parses the flags of methods alone, without a command around them.
     fn parse(flags: &[&str]) -> Result<MethodOptions, clap::Error> {
         let command = MethodOptions::augment_args(Command::new("method")).no_binary_name(true);
         MethodOptions::from_arg_matches(&command.try_get_matches_from(flags)?)
@@ -387,7 +395,7 @@ mod tests {
     }
 
     #[test]
-    fn flags_read_as_they_always_did() {
+    fn several_flags_are_read_together_and_wrong_values_are_refused() {
         let options = parse(&["--preset", "author", "--cone-samples=3", "--split", "--fade", "off"]).expect("flags");
         assert_eq!(options.values.preset, Preset::Author);
         assert_eq!(options.values.given_names().collect::<Vec<_>>(), ["cone_samples", "fade", "split"]);

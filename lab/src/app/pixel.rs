@@ -22,7 +22,7 @@ pub struct FrameSubject<'a> {
     pub materials: &'a [Material],
 }
 
-/// Parses a pixel such as `480,270`.
+/// Parses a pixel such as `480,270`: its column and row, counted from 0 at the top left.
 pub fn parse(text: &str) -> std::result::Result<[u32; 2], String> {
     let parts: Vec<_> = text.split(',').map(|part| part.trim().parse::<u32>()).collect();
     match parts[..] {
@@ -52,7 +52,7 @@ pub struct Judge<'a> {
     /// The G-buffer and the rays of the frame.
     inspection: Inspection,
     /// The images that the method made.
-    made: MethodImages<'a>,
+    images: MethodImages<'a>,
     /// The scene's triangles, for rays of the references.
     world: World<'a>,
     /// The name of the method and its number of bounces.
@@ -71,22 +71,24 @@ impl<'a> Judge<'a> {
         let hits = rendered.hits.clone();
         Ok(Self {
             inspection: Inspection::new(data, hits, (method, setup), &rendered.report.recorded),
-            made: MethodImages { reflection: &rendered.reflection, composite: &rendered.composite },
+            images: MethodImages { reflection: &rendered.reflection, composite: &rendered.composite },
             world: World::new(scene, materials),
             method: PixelMethod { name: method.name, bounces: setup.effect().bounces },
         })
     }
 
-    /// Explains a pixel.
+    /// Explains why the pixel, given by its column and row, shows what it shows. A pixel outside of the frame is an
+    /// error.
     pub fn explain(&self, pixel: [u32; 2]) -> Result<PixelReport> {
         let GBufferData { width, height, .. } = self.inspection.gbuffer;
-        explain(&self.inspection, self.made, &self.world, self.method, pixel)
+        explain(&self.inspection, self.images, &self.world, self.method, pixel)
             .ok_or_else(|| outside(pixel, [width, height]))
     }
 
-    /// The verdict of each pixel, rows from the top.
+    /// Says of each pixel whether its reflection is right or, if it is wrong, whether the screen has what belongs
+    /// there; rows from the top.
     pub fn verdicts(&self) -> Vec<PixelVerdict> {
-        verdicts(&self.inspection, self.made, &self.world, self.method.bounces)
+        verdicts(&self.inspection, self.images, &self.world, self.method.bounces)
     }
 }
 

@@ -47,6 +47,7 @@ impl StudyOptions for PrecisionOptions {
         &self.common.device
     }
 
+    /// Makes the study. A method that does not sample a G-buffer of any format is refused.
     fn study(&self) -> Result<PrecisionStudy> {
         let place = &self.common.place;
         let scene = resolve::scene(place, "rooms")?;
@@ -62,9 +63,9 @@ impl StudyOptions for PrecisionOptions {
         let size = self.size.unwrap_or(if self.quick { QUICK_SIZE } else { [480, 270] });
         let methods = match &self.method[..] {
             [] => {
-                let both =
-                    [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<ssct::Result<Vec<_>>>()?;
-                resolve::methods_taking_lenses(both, &resolve::lenses(&scene, &views))
+                let names = [stress::JUDGED, BESIDE];
+                let defaults = names.iter().map(|name| methods::find(name)).collect::<ssct::Result<Vec<_>>>()?;
+                resolve::methods_taking_lenses(defaults, &resolve::lenses(&scene, &views))
             }
             names => {
                 resolve::distinct_values(names).iter().map(|n| methods::find(n)).collect::<ssct::Result<Vec<_>>>()?

@@ -13,6 +13,8 @@ pub fn out() -> PrintableOutput {
 }
 
 impl Write for PrintableOutput {
+    /// Writes a whole text, from which the characters that a terminal obeys are removed. Returns the length of the text
+    /// before that, as if all of it had been written.
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         // Texts are written in one piece, so that no character is split between two calls.
         let text = String::from_utf8_lossy(bytes);

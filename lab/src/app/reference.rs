@@ -21,7 +21,7 @@ use ssct_truth::reference::world::state::WorldState;
 use ssct_truth::reference::world::{SamplingTarget, WorldReference};
 use std::path::{Path, PathBuf};
 
-/// Rays a pixel that [`truth`] traces before the program can stop again.
+/// Rays a pixel that [`truth`] traces before it looks whether a signal asks to stop.
 const RAYS_AT_ONCE: u32 = 4;
 
 /// Rays a pixel at most, unless the options say otherwise.
@@ -106,7 +106,8 @@ fn check_read(options: &RenderOptions) -> Result<()> {
 }
 
 /// Takes samples until a target is met, beginning with the samples of the same reference in the folder `cache`, and
-/// keeps all samples there. `progress` is called after each pass, and its error ends the sampling.
+/// keeps all samples there. Without a folder, none are kept. `progress` is called after each pass, and its error ends
+/// the sampling.
 fn sample(
     reference: &WorldReference,
     target: &SamplingTarget,
@@ -138,8 +139,8 @@ fn sample(
     Ok(state)
 }
 
-/// The composite of a G-buffer by the error study's world reference, with `rays` rays a pixel. Samples that the cache folder has are not
-/// taken again.
+/// The composite of a G-buffer by the error study's world reference, with `rays` rays a pixel, whatever the standard
+/// error. Samples that the folder `cache` has are not taken again.
 pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u32, cache: &Path) -> Result<Pixels> {
     let world = World::new(scene, materials);
     let first_hits = FirstHits::shown(&world, data);
@@ -150,7 +151,8 @@ pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u3
     Ok(to_pixels(&reference.image(&state).composite, [data.width, data.height]))
 }
 
-/// Samples the composite of a loaded scene, or the reflection if the options ask for it. No samples are kept.
+/// Samples the image that `ssct render --method reference` would write of a loaded scene: the composite, or what else
+/// the options ask for. No samples are kept.
 pub fn sample_image(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let globals = resolve::one_globals(&options.common.place, "render makes one image")?;
     let view = resolve::view(scene, &options.common.place, None)?;
@@ -200,7 +202,8 @@ fn to_pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
     Pixels { width, height, channels: 4, values: color.iter().flat_map(|c| c.extend(1.0).to_array()).collect() }
 }
 
-/// The path of the file in `folder` that keeps the state of a reference.
+/// The path of the file in `folder` that keeps the samples of a reference. References that differ in anything on which
+/// a sample depends have different files.
 pub fn state_file(folder: &Path, reference: &WorldReference) -> PathBuf {
     whole_file(folder, &short_name(&reference.fingerprint()))
 }

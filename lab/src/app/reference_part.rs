@@ -138,7 +138,7 @@ struct KeptPart {
     sums: Option<WorldPart>,
 }
 
-/// Reads the shares that a folder holds.
+/// Reads the shares that a folder holds. A share whose description cannot be right is an error.
 fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     let mut parts = Vec::new();
     let inside = PathInFolder::folder(folder);
@@ -220,7 +220,10 @@ fn print_summary(
 ) -> anyhow::Result<()> {
     let mut out = printed::out();
     if options.json {
-        let entry = |(part, whole): &(ReferencePart, WorldPart)| json!({"scene": part.scene, "view": part.view, "size": part.size, "rays": whole.samples().end});
+        let entry = |(part, whole): &(ReferencePart, WorldPart)| {
+            let rays = whole.samples().end;
+            json!({"scene": part.scene, "view": part.view, "size": part.size, "rays": rays})
+        };
         let references: Vec<_> = merged.iter().map(entry).collect();
         let (folders, output) = (&options.folders, &options.output);
         let summary = json!({"kind": "reference", "folders": folders, "output": output, "references": references, "missing": missing});

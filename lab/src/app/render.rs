@@ -15,7 +15,8 @@ use ssct::methods::{self, Prepared, Setup, Wants};
 use ssct_scenes::inside::PathInFolder;
 use std::io::Write;
 
-/// Renders one image, its intermediates or a figure.
+/// Renders one frame, and writes and prints what the options ask for: the image or a figure, the intermediates, the
+/// passes that ran, and the explanation of a pixel.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let method = method_name(options);
     if method == "reference" {
@@ -109,7 +110,8 @@ pub fn setup(options: &RenderOptions) -> Setup {
     options.figure.map_or(setup.clone(), |f| f.setup(&setup))
 }
 
-/// Returns the text of `--explain`: how much was drawn, and each pass that the frame recorded or left out in a line.
+/// Returns the text of `--explain`: how much was drawn, how long a structure for ray queries took if one was built, and
+/// a line for each pass that the frame recorded or left out.
 fn explain(rendered: &image::RenderedImage, prepared: &Prepared) -> String {
     let drawn = &rendered.drawn;
     let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);

@@ -35,7 +35,8 @@ fn watch() -> Result<Option<Arc<Watch>>> {
     Ok(Some(watch))
 }
 
-/// Loads the scene that the flags name: built in, a scene file, a glTF file, or OBJ files.
+/// Loads the scene that the flags name, or else the built-in scene `default`. With `--time`, things stand where a
+/// motion of the scene has them at that time.
 pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     let fallback = [PathBuf::from(default)];
     let sources = if options.scene.is_empty() { &fallback } else { options.scene.as_slice() };
@@ -69,7 +70,8 @@ pub fn is_same_place(a: &Path, b: &Path) -> bool {
     a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
-/// Loads a scene: the name of one that is built in, a scene file, a glTF file, or OBJ files.
+/// Loads a scene, and prints its warnings and notes on standard error. `sources` is the name of a scene that is built
+/// in, a scene file, a glTF file, or OBJ files.
 pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     let scale = options.scale;
     if !(scale.is_finite() && scale > 0.0) {
@@ -77,8 +79,8 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     }
     let extension = |p: &Path| p.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     let scene = match sources {
-        [one] if is_toml(one) => scene_file::load(one, options)?,
-        [one] if gltf::is_named(one) => gltf::load(one, options)?,
+        [file] if is_toml(file) => scene_file::load(file, options)?,
+        [file] if gltf::is_named(file) => gltf::load(file, options)?,
         _ if sources.iter().all(|p| extension(p).as_deref() == Some("obj")) => {
             let files: Vec<_> = sources.iter().map(obj::ObjFile::from).collect();
             obj::load(&files, &obj::ObjOptions { load: *options, ..obj::ObjOptions::default() })?
@@ -110,7 +112,8 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The view that the flags name, else the default, else the scene's first; with the flags' lens.
+/// The view that the flags name or place, else the view `default`, else the scene's first. The flags replace values of
+/// its lens.
 pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Result<View> {
     let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
         (_, Some(eye), Some(look_at)) => {
@@ -141,7 +144,7 @@ pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Resul
     Ok(view)
 }
 
-/// A lens in which the flags replace values.
+/// Returns a lens in which the flags replace the opening and the planes; values that no lens can have are an error.
 pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {
@@ -157,8 +160,8 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     }
     lens.near_m = options.near.unwrap_or(lens.near_m);
     lens.far_m = options.far.unwrap_or(lens.far_m);
-    let is_before_eye = lens.near_m > 0.0 || (lens.near_m == 0.0 && lens.kind().is_orthographic());
-    if !(is_before_eye && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
+    let is_near_possible = lens.near_m > 0.0 || (lens.near_m == 0.0 && lens.kind().is_orthographic());
+    if !(is_near_possible && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
         return Err(Error::usage(format!(
             "near {} and far {}: near must be above 0 and below far",
             lens.near_m, lens.far_m
@@ -184,7 +187,7 @@ pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
     Err(Error::usage(format!("{flag} {name}: neither a path of scene {} ({known}) nor a .toml file", scene.name)))
 }
 
-/// Refuses a name that no mesh has; the error lists the names of all meshes.
+/// Refuses a name among `wanted` that no mesh has. The error names the flag that gave it, and lists all meshes.
 pub fn check_meshes(scene: &Scene, flag: &str, wanted: &[String]) -> Result<()> {
     let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
     names.sort_unstable();
@@ -229,7 +232,7 @@ pub fn globals_or(options: &SceneOptions, usual: &[f32]) -> Result<Vec<Globals>>
 /// The global factors of a command that takes one roughness alone; the error gives `why` as the reason.
 pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     match globals(options)?[..] {
-        [one] => Ok(one),
+        [factors] => Ok(factors),
         _ => Err(Error::usage(format!("{why}: give one --roughness"))),
     }
 }
@@ -273,16 +276,16 @@ pub fn methods(
     leave_out_lacking(methods, |method| method, scenes)
 }
 
-/// Leaves out items whose method shows nothing, since each of the scenes lacks what the method needs. Prints for each scene which methods
-/// show nothing there. `method` returns the method of an item.
+/// Leaves out items whose method shows nothing, since each of the scenes lacks what the method needs. Prints for each
+/// scene which methods show nothing there. `method` returns the method of an item. It is an error if none is left.
 pub fn leave_out_lacking<T>(
-    all: Vec<T>,
+    items: Vec<T>,
     method: impl Fn(&T) -> &'static MethodInfo,
     scenes: &[&Scene],
 ) -> Result<Vec<T>> {
     for scene in scenes {
         let mut left_out: Vec<(Need, Vec<&str>)> = Vec::new();
-        for method in all.iter().map(&method) {
+        for method in items.iter().map(&method) {
             let Some(need) = method.unmet_needs(scene).first().copied() else { continue };
             match left_out.iter_mut().find(|(known, _)| *known == need) {
                 Some((_, names)) if names.contains(&method.name) => {}
@@ -296,7 +299,7 @@ pub fn leave_out_lacking<T>(
         }
     }
     let shows = |item: &T| scenes.iter().any(|scene| method(item).unmet_needs(scene).is_empty());
-    let kept: Vec<T> = all.into_iter().filter(shows).collect();
+    let kept: Vec<T> = items.into_iter().filter(shows).collect();
     if kept.is_empty() {
         let scenes: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
         let message = format!("no method is left that would show anything in {}", scenes.join(", "));

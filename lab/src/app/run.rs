@@ -41,8 +41,8 @@ impl Run {
 
     /// Makes a run that listens for signals: the first asks the run to stop, and the second ends the process at once.
     fn with_signals(journal: Journal, claim: Option<(FolderClaim, PathBuf)>) -> Result<Self> {
-        // True once a signal came. The first action ends the process if it finds the flag true; the second sets the
-        // flag.
+        // True once a signal came. Of the actions on a signal, the first ends the process if the flag is true already,
+        // the second sets the flag, and the third stores the signal's number, for which `go_on` looks.
         let was_asked = Arc::<AtomicBool>::default();
         for signal in [SIGINT, SIGTERM] {
             let registered = flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&was_asked))
@@ -58,7 +58,7 @@ impl Run {
         self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.write_list(cells))
     }
 
-    /// Notes in the folder that all is measured and written.
+    /// Notes in the folder that all is measured and written, so that the next run may begin anew there.
     pub fn finish(self) -> Result<()> {
         self.claim.map_or(Ok(()), |(claim, _)| claim.finish())
     }
@@ -136,10 +136,10 @@ mod tests {
     fn shards_of_a_study_have_one_command() {
         let command = |text: &str| study_command(text.split_whitespace().map(str::to_owned));
         let study = "ssct error --quick --rays 4";
-        for more in
+        for run_flags in
             ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", "--references a b c", ""]
         {
-            assert_eq!(command(&format!("error --quick {more} --rays 4")), study);
+            assert_eq!(command(&format!("error --quick {run_flags} --rays 4")), study);
         }
         let quoted = study_command(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());
         assert_eq!(quoted, "ssct error --variant \"stochastic --history on\"");

@@ -44,9 +44,9 @@ fn family() -> Option<OsString> {
     std::env::var_os(FAMILY).filter(|family| !family.is_empty())
 }
 
-/// Tries the family that [`FAMILY`] names, if any, by listing the devices in another process, since Mesa ends a process
-/// for which an unknown family is named.
-fn try_family() -> Result<()> {
+/// Checks that the driver knows the family that [`FAMILY`] names, if any. It lists the devices in another process,
+/// since Mesa ends a process for which an unknown family is named.
+fn check_family() -> Result<()> {
     let Some(family) = family() else { return Ok(()) };
     let Ok(program) = std::env::current_exe() else { return Ok(()) };
     // Without this variable, the other process adds no notice about the folder of shaders to the driver's message.
@@ -72,7 +72,8 @@ impl StudyOptions for ShadersOptions {
         &self.common.device
     }
 
-    /// Opens the device only to compile, so that its hardware need not be there.
+    /// Opens the device only to compile, so that its hardware need not be there. Validation layers are refused, since
+    /// nothing runs.
     fn open(&self) -> Result<Gpu> {
         let DeviceOptions { device, validation } = self.device();
         if *validation {
@@ -80,7 +81,7 @@ impl StudyOptions for ShadersOptions {
                 "--validation: shaders are compiled here and not run, so that the layers have nothing to watch";
             return Err(Error::usage(message.into()));
         }
-        try_family()?;
+        check_family()?;
         let opened = Gpu::open(&DeviceQuery { device: device.clone(), compiles_only: true, ..DeviceQuery::default() });
         opened.map_err(|error| match error {
             ssct::Error::NoDevice(why) if family().is_none() => {

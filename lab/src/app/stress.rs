@@ -52,8 +52,8 @@ impl StudyOptions for StressOptions {
         StressStudy::new(methods, self.quick, self.case.as_deref())
     }
 
-    fn run(&self, to: &RunOptions) -> anyhow::Result<()> {
-        if self.complaints { measure::run(&Complaints(self), to) } else { measure::run(self, to) }
+    fn run(&self, run_options: &RunOptions) -> anyhow::Result<()> {
+        if self.complaints { measure::run(&Complaints(self), run_options) } else { measure::run(self, run_options) }
     }
 
     fn mergers() -> Vec<Merger> {
@@ -72,8 +72,8 @@ impl StudyOptions for Complaints<'_> {
     }
 
     fn study(&self) -> Result<ComplaintStudy> {
-        let asked = self.0.method.iter().map(String::as_str);
-        let names: Vec<&str> = if self.0.method.is_empty() { complaints::METHODS.to_vec() } else { asked.collect() };
+        let named = self.0.method.iter().map(String::as_str);
+        let names: Vec<&str> = if self.0.method.is_empty() { complaints::METHODS.to_vec() } else { named.collect() };
         let methods = distinct(names.into_iter()).into_iter().map(methods::find).collect::<ssct::Result<Vec<_>>>()?;
         ComplaintStudy::new(&methods, self.0.quick, self.0.case.as_deref())
     }

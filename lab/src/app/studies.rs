@@ -27,7 +27,7 @@ macro_rules! studies {
             [$( <$Options as measure::StudyOptions>::mergers() ),*].into_iter().flatten().collect()
         }
 
-        /// The names and meanings of the columns of each study's rows.
+        /// The columns of the rows of all studies: the name of each, and its meaning in words.
         #[cfg(test)]
         fn meanings() -> Vec<(String, &'static str)> {
             [$( tests::meanings_of::<<$Options as measure::StudyOptions>::Study>() ),*].concat()
@@ -81,9 +81,9 @@ mod tests {
 
     #[test]
     fn the_meaning_of_a_column_is_in_words_and_names_nothing_of_the_source() {
-        let all = [meanings(), meanings_of::<ComplaintStudy>()].concat();
-        assert!(all.iter().filter(|(_, about)| !about.is_empty()).count() > 30, "{all:?}");
-        for (column, about) in all {
+        let columns = [meanings(), meanings_of::<ComplaintStudy>()].concat();
+        assert!(columns.iter().filter(|(_, about)| !about.is_empty()).count() > 30, "{columns:?}");
+        for (column, about) in columns {
             assert!(!about.contains("[`") && !about.contains("::"), "{column}: {about}");
         }
     }

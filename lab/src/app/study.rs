@@ -61,6 +61,7 @@ struct Plan {
 }
 
 impl Plan {
+    /// Makes the plan of the study that the options ask for: quick, full, or without either flag in between.
     fn new(options: &StudyOptions) -> Result<Self> {
         let mut methods: Vec<_> = METHODS.iter().collect();
         for name in &options.method {
@@ -97,22 +98,24 @@ impl Plan {
         Ok(Self { scenes, timed_scenes, views, size, samples, table_sizes, error_size, rays, methods, command })
     }
 
-    /// The parts of the study, in the order in which a reader wants them. The pictures of one view, the thesis's table, the
-    /// errors and the thesis's figures come before the other pictures, the times and the images of other devices.
+    /// The parts of the study, in the order in which a reader wants them. The pictures of one view, the thesis's table,
+    /// the errors and the thesis's figures come before the other pictures, the times and the images of other devices.
+    /// Views of `scenes` are shown and timed, and those of `untimed` only shown.
     fn parts<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene], untimed: &[Scene]) -> Result<Vec<Part<'a>>> {
         let pictures_of = |scene: &Scene, view: &View| Part::Pictures {
             scene: scene.name.clone(),
             view: view.clone(),
             methods: self.methods_in(scene),
         };
+        let all_scenes = scenes.iter().chain(untimed);
         let mut pictures =
-            scenes.iter().chain(untimed).flat_map(|s| self.shown_views(s).map(move |v| pictures_of(s, v)));
+            all_scenes.flat_map(|scene| self.shown_views(scene).map(move |view| pictures_of(scene, view)));
         let mut parts: Vec<Part> = pictures.next().into_iter().collect();
         parts.extend(self.table_5_8(gpu, scenes)?.map(Part::Table));
         parts.extend(self.errors(gpu, scenes)?);
         parts.extend(scenes.first().map(Part::Figures));
         parts.extend(pictures);
-        let timed = scenes.iter().flat_map(|s| self.shown_views(s).map(move |v| (s, v)));
+        let timed = scenes.iter().flat_map(|scene| self.shown_views(scene).map(move |view| (scene, view)));
         parts.extend(timed.map(|(scene, view)| {
             Part::Times(self.time(gpu, scene, view, &self.methods_in(scene), vec![self.size], vec![GLOSSY]))
         }));
@@ -202,7 +205,7 @@ impl Part<'_> {
             // Each method, unified on the screen alone, and the truth.
             Self::Pictures { methods, .. } => methods.len() + 2,
             Self::Table(spec) | Self::Times(spec) => spec.frames(),
-            Self::Errors(errors) => errors.1.count_own(),
+            Self::Errors(study_and_list) => study_and_list.1.count_own(),
             Self::Figures(_) | Self::OtherDevices(_) => 1,
         }
     }
@@ -319,8 +322,8 @@ impl<'a> Study<'a> {
                 results.views.push(study_pictures::view_gallery(stage, &shown, folder, step)?);
             }
             Part::Table(spec) | Part::Times(spec) => timing::measure(spec, journal, step)?,
-            Part::Errors(errors) => {
-                let (study, list) = &**errors;
+            Part::Errors(study_and_list) => {
+                let (study, list) = &**study_and_list;
                 // The study is dropped with what it keeps for its next cell.
                 let Some(mut study) = study.take() else { return Ok(()) };
                 let error_folder = folder.join(ERROR_FOLDER);
@@ -361,8 +364,8 @@ impl<'a> Study<'a> {
             match part {
                 Part::Table(spec) => table_times.extend(timing::records(spec, journal)),
                 Part::Times(spec) => view_times.extend(timing::records(spec, journal)),
-                Part::Errors(error_part) => {
-                    let list = &error_part.1;
+                Part::Errors(study_and_list) => {
+                    let (_, list) = &**study_and_list;
                     errors.extend(engine::rows(list, journal));
                     Results { rows: &errors, list, missing: &[] }.write(&folder.join(ERROR_FOLDER))?;
                 }
@@ -401,7 +404,8 @@ impl<'a> Study<'a> {
     }
 }
 
-/// Compares the images that all other devices make of a G-buffer of the rooms with the images of this device.
+/// Compares the images that all other devices make of one G-buffer with the images of this device, at each roughness of
+/// a quick study. The G-buffer shows the view `corridor` of the scene, which must have it.
 fn compare_other_devices(gpu: &Gpu, scene: &Scene, plan: &Plan, validation: bool) -> Result<Vec<AgreementRecord>> {
     let mut records = Vec::new();
     let others = other_devices::others(gpu, validation)?;

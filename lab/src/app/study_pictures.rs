@@ -92,6 +92,7 @@ pub fn view_gallery(
 
 /// Draws figures 4.4, 4.5, 4.9 and 4.10 of a scene that has a view `corridor`, and writes them below `folder`.
 pub fn thesis_figures(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, size: [u32; 2]) -> Result<Vec<Picture>> {
+    // For each figure: the stem of its file, its size in pixels, the view, and the caption.
     let wanted = [
         (
             Figure::VisibilityChain,
@@ -142,8 +143,8 @@ pub fn thesis_figures(stage: &mut Stage, scene: &Scene, folder: &PathInFolder, s
 /// measured against. The pictures are the files that the error study wrote.
 pub fn error_galleries(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
-    for r in records {
-        let head = &r.head;
+    for record in records {
+        let head = &record.head;
         let title = format!("{}, {}, roughness {}", head.scene, head.view, roughness_name(head.roughness));
         if galleries.iter().any(|g| g.title == title) {
             continue;
@@ -155,7 +156,7 @@ pub fn error_galleries(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<
             caption,
         };
         let reflection = |name: &str, caption: &str| picture(picture_file(&stem, name), name, caption.into());
-        let pair = |name: &str| {
+        let reflection_and_flip = |name: &str| {
             let flip = flip_file(&stem, name);
             [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
         };
@@ -168,7 +169,7 @@ pub fn error_galleries(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<
         let beside = |title: &str, reference, names: Vec<&str>| Strip::Beside {
             title: title.to_owned(),
             reference,
-            pairs: names.into_iter().map(pair).collect(),
+            pairs: names.into_iter().map(reflection_and_flip).collect(),
         };
         galleries.push(Gallery {
             title,

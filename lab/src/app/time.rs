@@ -142,40 +142,43 @@ fn job(options: &TimeOptions, is_table: bool) -> Result<TimeJob> {
     Ok(TimeJob { scene: Rc::new(scene), view, variants, sizes, globals, has_reference: false })
 }
 
-/// Returns the sizes that the flags give or, without any, those of table 5.8 if `is_table` is true, or else 960×540.
+/// Returns the sizes in pixels that the flags give or, without any, those of table 5.8 if `is_table` is true, or else
+/// 960×540. If none of the given sizes is one of the table, that is an error.
 fn sizes(options: &TimeOptions, is_table: bool) -> Result<Vec<[u32; 2]>> {
-    let all = table_5_8::sizes();
+    let table_sizes = table_5_8::sizes();
     if !options.size.is_empty() {
-        if is_table && !options.size.iter().any(|size| all.contains(size)) {
+        if is_table && !options.size.iter().any(|size| table_sizes.contains(size)) {
             let named: Vec<String> = options.size.iter().map(|[w, h]| format!("{w}x{h}")).collect();
             let (named, has) = (named.join(", "), table_5_8::rows_and_seconds());
             return Err(Error::usage(format!("--table 5.8 has no row for {named}; {has}")));
         }
         return Ok(resolve::distinct_values(&options.size));
     }
-    Ok(if is_table { all } else { vec![[960, 540]] })
+    Ok(if is_table { table_sizes } else { vec![[960, 540]] })
 }
 
-/// The roughness values of table 5.8 that the flags ask for, each also set as the normal deviation.
+/// The roughness values of table 5.8 that the flags ask for, or all of them, each also set as the normal deviation.
+/// Values that the table does not have are an error.
 fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     if options.common.place.normal_deviation.is_some() {
         return Err(Error::usage("--table 5.8 sets the normal deviation to the roughness".into()));
     }
-    let known = table_5_8::ROUGHNESS;
+    let in_table = table_5_8::ROUGHNESS;
     let wanted = if options.common.place.roughness.is_empty() {
-        known.to_vec()
+        in_table.to_vec()
     } else {
         resolve::distinct_values(&options.common.place.roughness)
     };
-    if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
+    if let Some(unknown) = wanted.iter().find(|roughness| !in_table.contains(roughness)) {
         let has = table_5_8::rows_and_seconds();
-        return Err(Error::usage(format!("--table 5.8 has no row for roughness {r}; {has}")));
+        return Err(Error::usage(format!("--table 5.8 has no row for roughness {unknown}; {has}")));
     }
     let reflectivity = options.common.place.reflectivity;
     Ok(wanted.iter().map(|roughness| table_5_8::factors(*roughness, reflectivity)).collect())
 }
 
-/// Returns a measurement for each caption that the flags ask for: its methods on the view that stands for its figure.
+/// Returns a measurement for each caption that the flags ask for: `ssct` and the caption's other method on the view
+/// that stands for its figure. Where the other is Mitsuba, the reference on the CPU is measured instead.
 fn caption_jobs(options: &TimeOptions) -> Result<Vec<TimeJob>> {
     let place = &options.common.place;
     if !options.method.is_empty() || !options.size.is_empty() {
@@ -236,9 +239,9 @@ fn find_captions<'a>(options: &TimeOptions, scenes: &'a [Rc<Scene>]) -> Result<V
 /// equals the roughness.
 fn caption_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     let mut globals = resolve::globals(&options.common.place)?;
-    for g in &mut globals {
-        g.roughness = g.roughness.or(Some(CAPTION_ROUGHNESS));
-        g.normal_deviation = g.normal_deviation.or(g.roughness);
+    for factors in &mut globals {
+        factors.roughness = factors.roughness.or(Some(CAPTION_ROUGHNESS));
+        factors.normal_deviation = factors.normal_deviation.or(factors.roughness);
     }
     Ok(globals)
 }

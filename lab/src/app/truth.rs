@@ -43,7 +43,8 @@ struct ExportOptions {
     output: PathBuf,
 }
 
-/// Writes scene, camera and world reference for another renderer, and prints numbers of the export.
+/// Runs `ssct truth export`: writes scene, camera and world reference for another renderer, and prints how many
+/// triangles and reflecting pixels they have.
 pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
     let TruthCommand::Export(options) = &options.command;
     let globals = resolve::one_globals(&options.place, "truth export makes one image")?;

@@ -73,6 +73,7 @@ impl StudyOptions for VideoOptions {
         &self.common.device
     }
 
+    /// Makes the study. Meshes that the camera carries along must not move by themselves, too.
     fn study(&self) -> Result<VideoStudy> {
         if !(self.fps.is_finite() && (1.0..=1000.0).contains(&self.fps)) {
             return Err(Error::usage(format!("--fps {}: must lie between 1 and 1000", self.fps)));
@@ -93,8 +94,8 @@ impl StudyOptions for VideoOptions {
         let variants = resolve::variants(&self.variants, &base, (&[&scene], &lenses), false)?;
         resolve::check_meshes(&scene, "--moving", &self.moving)?;
         resolve::check_meshes(&scene, "--held", &self.held)?;
-        let play =
-            self.play.as_deref().map(|name| resolve::motion(&scene, Some(name), "--play").cloned()).transpose()?;
+        let played_motion = |name: &str| resolve::motion(&scene, Some(name), "--play").cloned();
+        let play = self.play.as_deref().map(played_motion).transpose()?;
         let played_meshes: Vec<&str> =
             play.iter().flat_map(|motion| motion.placements_at(0.0)).map(|(mesh, _)| mesh).collect();
         let moves = |name: &String| self.moving.contains(name) || played_meshes.contains(&name.as_str());
@@ -120,8 +121,8 @@ impl StudyOptions for VideoOptions {
     }
 }
 
-/// Returns the camera's way that `--way` names: one of the ways from the view that the flags choose, or else a path,
-/// which takes no view.
+/// Returns the camera's way that `--way` names. The ways `walk`, `turn`, `stop` and `rest` begin at the view that the
+/// flags choose. Any other name is that of a path, beside which flags that choose a view are an error.
 fn camera_way(options: &VideoOptions, scene: &Scene) -> Result<CameraWay> {
     let place = &options.common.place;
     let name = options.way.as_path();

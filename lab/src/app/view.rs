@@ -37,13 +37,14 @@ fn find_window_program(this_program: Option<&Path>) -> Option<PathBuf> {
     program.is_file().then_some(program)
 }
 
-/// Replaces this process by another program, which keeps the terminal, the signals and the exit status. Returns only if that fails.
+/// Replaces this process by another program, so that the program has the terminal and the signals, and its exit status
+/// is that of this process. Returns the error if the program cannot be run.
 #[cfg(unix)]
 fn replace(command: &mut Command) -> std::io::Error {
     std::os::unix::process::CommandExt::exec(command)
 }
 
-/// Runs another program to its end, and exits with its status. Returns only if the program cannot be run.
+/// Runs another program to its end, and exits with its status. Returns the error if the program cannot be run.
 #[cfg(not(unix))]
 fn replace(command: &mut Command) -> std::io::Error {
     match command.status() {

@@ -174,36 +174,38 @@ impl PassShader<'_> {
         Ok(fields)
     }
 
-    /// Returns the input that feeds a variable; `None` if nothing feeds it, which is noted.
-    fn bind(&self, v: &Variable) -> Result<Option<BoundInput>> {
-        if v.count > 1 {
-            let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
+    /// Returns the input that feeds a variable, by the name of the variable or of its block. `None` if nothing feeds
+    /// it, and then its name is added to the list of such names.
+    fn bind(&self, variable: &Variable) -> Result<Option<BoundInput>> {
+        let Variable { name: variable_name, block, kind, read_only, .. } = variable;
+        if variable.count > 1 {
+            let file = &self.file;
+            let message = format!("{variable_name} of {file} is an array of images or blocks, which cannot be fed");
             return Err(self.wrong(&self.pass.span, &message));
         }
-        if let VariableKind::Uniform(layout) = &v.kind {
-            return Ok(Some(BoundInput::Uniform { fields: self.fill(&v.block, layout)?, bytes: layout.size as usize }));
+        if let VariableKind::Uniform(layout) = kind {
+            return Ok(Some(BoundInput::Uniform { fields: self.fill(block, layout)?, bytes: layout.size as usize }));
         }
-        let input = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
-        let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
-        let Some(input) = input else {
-            if v.is_nameless {
-                return Err(self.nameless_unfed_error(&v.name));
+        let Some(input) = [variable_name, block].into_iter().find_map(|name| self.pass.inputs.get(name)) else {
+            if variable.is_nameless {
+                return Err(self.nameless_unfed_error(variable_name));
             }
-            self.note_unfed(format!("the {kind} {}", v.name));
+            let kind_word = if matches!(kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
+            self.note_unfed(format!("the {kind_word} {variable_name}"));
             return Ok(None);
         };
-        let mismatch = |what: String| self.wrong(input.span(), &format!("{} of {} is {what}", v.name, self.file));
+        let mismatch = |what: String| self.wrong(input.span(), &format!("{variable_name} of {} is {what}", self.file));
         let images = &self.manifest.images;
-        Ok(Some(match (&v.kind, &input.what) {
+        Ok(Some(match (kind, &input.what) {
             (VariableKind::Storage(bytes), InputKind::Buffer(name)) => {
-                BoundInput::Buffer { name: name.clone(), read_only: v.read_only, bytes: *bytes }
+                BoundInput::Buffer { name: name.clone(), read_only: *read_only, bytes: *bytes }
             }
             (VariableKind::Storage(_), _) => return Err(mismatch("a buffer, and is fed an image".to_owned())),
             (_, InputKind::Buffer(_)) => return Err(mismatch("an image, and is fed a buffer".to_owned())),
             (VariableKind::Stored(kind), InputKind::Image(ImageSource::Own(name))) => {
                 kinds::check_stored(kind, name, images).map_err(mismatch)?;
                 let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
-                BoundInput::Stored { name: name.clone(), level, read_only: v.read_only }
+                BoundInput::Stored { name: name.clone(), level, read_only: *read_only }
             }
             (VariableKind::Sampled(kind), InputKind::Image(source)) => {
                 kinds::check_sampled(kind, source, images).map_err(mismatch)?;
@@ -262,8 +264,9 @@ pub fn check_all_read(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<
         for entry in names(pass) {
             // A name at the top of the manifest is given to every pass, of which at least one must read it.
             let mut passes = manifest.passes.iter().zip(compiled).filter(|(pass, _)| names(pass).contains(&entry));
-            if !passes.any(|(_, compiled)| has_name(&compiled.interface, &entry.0)) {
-                return Err(manifest.error(&entry.1, format!("no shader reads {}", entry.0)));
+            let (name, span) = &entry;
+            if !passes.any(|(_, compiled)| has_name(&compiled.interface, name)) {
+                return Err(manifest.error(span, format!("no shader reads {name}")));
             }
         }
     }

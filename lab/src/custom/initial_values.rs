@@ -25,7 +25,7 @@ enum Component {
 }
 
 impl Component {
-    /// The component of the result of arithmetic; `None` if there is no arithmetic of these two.
+    /// The component of a sum or product of numbers of two components, as in GLSL; `None` if one of them is a bool.
     fn common(self, other: Self) -> Option<Self> {
         match (self, other) {
             (Self::Bool, _) | (_, Self::Bool) => None,
@@ -35,7 +35,8 @@ impl Component {
         }
     }
 
-    /// Converts a number of this component as a constructor does; `None` for a number without a value in `to`.
+    /// Converts a number of this component as a constructor of GLSL does. `None` for a float that does not fit into the
+    /// whole numbers of `to`.
     fn converted(self, number: f64, to: Self) -> Option<f64> {
         let whole = number.trunc();
         match (self, to) {
@@ -186,12 +187,13 @@ impl Term {
         Self { kind: Kind::scalar(component), is_array: false, numbers: vec![number] }
     }
 
-    /// Returns the numbers, converted as a constructor does.
+    /// Returns the numbers, converted to `to` as a constructor does; `None` if a number does not fit.
     fn explicitly(&self, to: Component) -> Option<Vec<f64>> {
         self.numbers.iter().map(|number| self.kind.component.converted(*number, to)).collect()
     }
 
-    /// Returns the numbers, converted as GLSL does unasked; `None` for a conversion that it does not make.
+    /// Returns the numbers, converted to `to` as GLSL does without a constructor; `None` for a conversion that it does
+    /// not make, such as from floats to whole numbers.
     fn implicitly(&self, to: Component) -> Option<Vec<f64>> {
         let from = self.kind.component;
         if from == to || from.common(to) == Some(to) { self.explicitly(to) } else { None }
@@ -286,7 +288,8 @@ impl Parser<'_> {
         self.number()
     }
 
-    /// Reads `true`, `false`, or a constructor.
+    /// Reads what begins with the word `name`, behind which the parser stands: `true`, `false`, or a constructor of a
+    /// type or of an array, as in `vec2(1, 2)` and `float[](1, 2)`.
     fn named(&mut self, name: &str) -> Option<Term> {
         match name {
             "true" => return Some(Term::scalar(Component::Bool, 1.0)),
@@ -315,11 +318,11 @@ impl Parser<'_> {
 
     /// Reads expressions with commas between them, up to `end`.
     fn list(&mut self, end: &str) -> Option<Vec<Term>> {
-        let mut all = Vec::new();
+        let mut terms = Vec::new();
         loop {
-            all.push(self.sum()?);
+            terms.push(self.sum()?);
             if self.take(end) {
-                return Some(all);
+                return Some(terms);
             }
             if !self.take(",") {
                 return None;
@@ -397,14 +400,14 @@ mod tests {
     }
 
     #[test]
-    fn other_expressions_have_none() {
+    fn expressions_of_more_than_numbers_have_no_value() {
         for text in ["sin(1.0)", "N", "a ? 1.0 : 2.0", "1.0 +", "vec2(1.0", "", "1.0 2.0", "1e999"] {
             assert_eq!(evaluate(text, "float"), None, "{text}");
         }
     }
 
     #[test]
-    fn deep_expressions_have_none() {
+    fn expressions_with_too_many_brackets_or_signs_have_no_value() {
         let nested = |depth: usize| format!("{}1.0{}", "(".repeat(depth), ")".repeat(depth));
         assert_eq!(evaluate(&nested(20), "float"), Some(vec![1.0]));
         assert_eq!(evaluate(&nested(1_000_000), "float"), None);
@@ -443,7 +446,7 @@ mod tests {
 
     /// Products of matrices and vectors are not made number by number; sums and factors are.
     #[test]
-    fn products_of_matrices_have_none() {
+    fn products_of_matrices_have_no_value() {
         for (text, kind) in [
             ("mat2(1.0, 2.0, 3.0, 4.0) * mat2(2.0)", "mat2"),
             ("mat2(2.0) * vec2(1.0)", "vec2"),

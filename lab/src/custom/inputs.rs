@@ -328,7 +328,7 @@ impl Inputs {
     }
 }
 
-/// Returns the meaning of a source's numbers, by which a picture of them is drawn.
+/// Returns the meaning of a source's numbers, which decides how a picture of them is drawn.
 fn content(source: &ImageSource) -> Content {
     match source {
         ImageSource::Depth(Depth::Reversed) => Content::ReversedDepth,
@@ -364,16 +364,17 @@ pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
 /// Returns the uniforms of a conversion: `before` is the camera of the frame before, and `code` is that of the
 /// conversion, `CONVERT_*`.
 fn convert_block(camera: &Camera, before: &Camera, code: i32, axes: Axes) -> ConvertBlock {
-    let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
+    let world_to_clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
     ConvertBlock {
-        clip_to_clip_before: (clip(before) * clip(camera).inverse()).as_mat4().to_cols_array_2d(),
+        clip_to_clip_before: (world_to_clip(before) * world_to_clip(camera).inverse()).as_mat4().to_cols_array_2d(),
         axes: values::to_axes(axes).as_mat4().to_cols_array_2d(),
         what: code,
         ..ConvertBlock::default()
     }
 }
 
-/// Makes the image of blue noise. Red has the tile, and green has it moved by a third of its side.
+/// Makes the image of blue noise, so that shaders have two numbers for each texel that depend little on each other. Red
+/// has the tile of [`noise::tile`], and green has it moved by a third of its side.
 fn blue_noise(gpu: &Gpu) -> Result<Image> {
     use vk::ImageUsageFlags as U;
     let side = noise::RANKS_ACROSS;

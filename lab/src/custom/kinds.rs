@@ -37,7 +37,8 @@ pub fn check_sampled(
     Err(format!("a {}, and is fed {source}, which is a {}", sampler_type(kind), sampler_type(&fed)))
 }
 
-/// True if a shader can read an image of the kind `fed` as the kind `declared`, except for comparisons and formats.
+/// True if a shader that declares an image as `declared` can read one of the kind `fed`. Comparisons with a depth and
+/// formats are not looked at.
 fn has_same_texels(declared: &ImageKind, fed: &ImageKind) -> bool {
     let is_equal = (declared.dim, declared.arrayed, declared.component) == (fed.dim, fed.arrayed, fed.component);
     is_equal && !declared.multisampled
@@ -46,7 +47,7 @@ fn has_same_texels(declared: &ImageKind, fed: &ImageKind) -> bool {
 /// Checks a storage image against the method's own image that feeds it.
 ///
 /// # Errors
-/// Returns the sentences of [`check_sampled`].
+/// A clause that continues a sentence after the name of the variable.
 pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, ImageSection>) -> Result<(), String> {
     let Some(section) = images.get(name) else { return Ok(()) };
     let fed = source_kind(&ImageSource::Own(name.to_owned()), images);
@@ -179,6 +180,7 @@ fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String
 /// Checks that a fragment shader reads from the vertex stage at most one `vec2`, the texture coordinates.
 fn check_inputs(inputs: &[StageVariable], file: &str) -> Result<(), String> {
     let is_uv = |input: &StageVariable| input.component == Some(Component::Float) && input.numbers == 2;
+    // The first input that is no `vec2` is at fault, or the last of several if all of them are.
     let wrong_input = match inputs {
         [] => None,
         [only] if is_uv(only) => None,

@@ -32,7 +32,8 @@ pub struct HoistedUniforms {
     pub initial_values: Vec<(String, Option<Vec<f64>>)>,
 }
 
-/// Puts the loose uniforms of a text into blocks.
+/// Puts the loose uniforms of a text into blocks. One block, in the place of the first loose uniform, has all that may
+/// stand there; each other uniform gets a block of its own in its place.
 pub fn hoist(text: &str) -> HoistedUniforms {
     let mut hoisted = HoistedUniforms::default();
     let mut blocks = Blocks::default();
@@ -233,19 +234,20 @@ mod tests {
     fn uniforms_that_stand_alone_become_a_block() {
         let source = "#version 330\nuniform sampler2D a;\nuniform mat4 m;\nuniform highp float x = 2.0;\n\
             layout(location = 3) uniform vec2 size, other[2];\nuniform Block { float y; };\nvoid main() {}\n";
-        let made = hoist(source);
-        let lines: Vec<&str> = made.text.lines().collect();
+        let hoisted = hoist(source);
+        let lines: Vec<&str> = hoisted.text.lines().collect();
         assert_eq!(lines.len(), source.lines().count());
         assert_eq!(lines[2], "layout(std140) uniform LooseUniforms { mat4 m; float x; vec2 size; vec2 other[2]; };");
         assert_eq!((lines[1], lines[3], lines[4]), ("uniform sampler2D a;", "", ""));
         assert_eq!(lines[5], "uniform Block { float y; };");
-        assert_eq!(made.initial_values, [("x".to_owned(), Some(vec![2.0]))]);
+        assert_eq!(hoisted.initial_values, [("x".to_owned(), Some(vec![2.0]))]);
         let plain = "#version 460\nlayout(std140, binding = 0) uniform B {\n    float x;\n} b;\nvoid main() {}\n";
         assert_eq!(hoist(plain).text, plain);
     }
 
     #[test]
     fn declarations_are_read_by_their_tokens() {
+        // The first block in the text that is made of `source`.
         let block = |source: &str| {
             let text = hoist(source).text;
             assert_eq!(text.matches('\n').count(), source.matches('\n').count(), "lines stay: {text}");
@@ -269,9 +271,10 @@ mod tests {
     }
 
     #[test]
-    fn names_of_the_shader_stay_behind_what_they_name() {
-        let made = hoist("uniform float a;\nconst int N = 3;\nuniform float w[N];\nuniform S s;\nuniform int b;\n");
-        let lines: Vec<&str> = made.text.lines().collect();
+    fn a_uniform_that_uses_a_name_of_the_shader_stays_behind_the_declaration_of_the_name() {
+        let source = "uniform float a;\nconst int N = 3;\nuniform float w[N];\nuniform S s;\nuniform int b;\n";
+        let text = hoist(source).text;
+        let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "layout(std140) uniform LooseUniforms { float a; int b; };");
         assert_eq!(lines[2], "layout(std140) uniform LooseUniforms1 { float w[N]; };");
         assert_eq!(lines[3], "layout(std140) uniform LooseUniforms2 { S s; };");

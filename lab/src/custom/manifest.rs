@@ -176,7 +176,7 @@ fn check_buffers(
     Ok(sections.iter().map(|(name, buffer)| (name.clone(), buffer.get_ref().clone())).collect())
 }
 
-/// Checks the passes, each by itself and against the passes before it.
+/// Checks the passes, each by itself and against the passes before it, and returns them in their order.
 fn check_passes(folder: &Path, sections: &Sections, known: &KnownNames, source: &SourceText) -> Result<Vec<Pass>> {
     let parameters: Vec<String> = sections.parameter.keys().cloned().collect();
     let mut passes: Vec<Pass> = Vec::new();

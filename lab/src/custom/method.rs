@@ -108,10 +108,10 @@ impl Reload {
             return None;
         }
         *self.last_stamps.borrow_mut() = written;
-        let made = Manifest::read(&self.folder).map_err(Error::from).and_then(|manifest| {
+        let remade = Manifest::read(&self.folder).map_err(Error::from).and_then(|manifest| {
             RunningVersion::new(&self.gpu, &manifest, &running.parameters, &self.setup, self.hits)
         });
-        match made {
+        match remade {
             Ok(running) => {
                 *self.last_stamps.borrow_mut() = stamps(&running.files);
                 Some(running)
@@ -340,7 +340,8 @@ impl RunningVersion {
         Ok(MethodOutput { hits: hits.map(Hits), intermediates, ..MethodOutput::new(Reflection(reflection)) })
     }
 
-    /// Records a pass for a level; returns false if an image lacks the level. `turn` chooses one of an image's copies.
+    /// Records a pass for the level `level`; returns false if the pass runs over levels and an image lacks this one.
+    /// `turn` chooses one of an image's copies. `state` makes the values of the frame for an extent and a level.
     fn record_level<'a, 's>(
         &'a self,
         frame: &mut Frame,
@@ -407,7 +408,8 @@ impl RunningVersion {
                             Some(slice) => slice,
                             None => return self.skip_or_fail(pass, name),
                         },
-                        ImageSource::Previous(inner) => match &**inner {
+                        // The copy that this frame does not write is that of the frame before.
+                        ImageSource::Previous(original) => match &**original {
                             ImageSource::Own(name) => self.own_image(name, turn + 1).all(),
                             _ => self.inputs.slice(source, input, turn)?,
                         },
@@ -484,8 +486,8 @@ impl OwnImage {
         use vk::ImageUsageFlags as U;
         let extent = extent.map(|v| ((v as f32 * section.scale).ceil() as u32).max(1));
         let format = format_of(&section.format).unwrap_or(LIT_COLOR);
-        let all = image::full_chain(extent);
-        let levels = if section.levels == 0 { all } else { section.levels.min(all) };
+        let most_levels = image::full_chain(extent);
+        let levels = if section.levels == 0 { most_levels } else { section.levels.min(most_levels) };
         let plain = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
         // Devices need not store to images that are encoded as sRGB.
         let usage = if format == vk::Format::R8G8B8A8_SRGB { plain } else { plain | U::STORAGE };

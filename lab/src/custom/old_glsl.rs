@@ -44,9 +44,9 @@ pub fn check(path: &Path, source: &str) -> Result<()> {
     if number >= least {
         return Ok(());
     }
-    let newer = if is_es || number == 100 { "#version 310 es" } else { "#version 330" };
+    let advised = if is_es || number == 100 { "#version 310 es" } else { "#version 330" };
     let name = if is_es || number == 100 { "GLSL ES" } else { "GLSL" };
-    let message = format!("{name} of version {number} is too old; write `{newer}`{}", replacements(&text));
+    let message = format!("{name} of version {number} is too old; write `{advised}`{}", replacements(&text));
     wrong(Some(line), message)
 }
 
@@ -94,6 +94,7 @@ fn without_comments(source: &str) -> String {
 mod tests {
     use super::*;
 
+    /// Returns the message with which a shader of this text is refused; `None` if it is not.
     fn said(source: &str) -> Option<String> {
         check(Path::new("s.frag"), source).err().map(|e| e.to_string())
     }
@@ -112,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn older_ones_say_what_to_write() {
+    fn older_versions_are_refused_with_advice_on_what_to_write() {
         let old = "/* a\n*/\n#version 120\nvarying vec2 uv; void main() { gl_FragColor = texture2D(p, uv); }";
         let expected = "s.frag:3: GLSL of version 120 is too old; write `#version 330`; for texture2D, write texture; for \
                         gl_FragColor, declare an output, as in `out vec4 shown;`; for varying, write in";

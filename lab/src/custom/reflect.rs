@@ -342,23 +342,25 @@ fn stage_variable(code: &SpirvCode, id: u32, pointee: u32) -> Option<StageVariab
     })
 }
 
-/// Reads the specialization constants, sorted by id.
+/// Reads the specialization constants, each with its type in Rust and the bits of its default value; sorted by id.
 fn specialization_constants(code: &SpirvCode) -> Vec<Constant> {
     let mut found = Vec::new();
     for definition in [op::SPEC_CONSTANT, op::SPEC_CONSTANT_TRUE, op::SPEC_CONSTANT_FALSE]
         .into_iter()
         .flat_map(|o| code.with_opcode(o))
     {
-        let Some(id) = code.decoration(definition.word(1), decoration::SPEC_ID) else { continue };
-        let ty = match code.number_type(definition.word(0)) {
+        // The operands are the id of the type, the id of the constant and, except for a bool, its default value.
+        let [type_id, constant_id, default_bits] = [0, 1, 2].map(|operand| definition.word(operand));
+        let Some(id) = code.decoration(constant_id, decoration::SPEC_ID) else { continue };
+        let ty = match code.number_type(type_id) {
             _ if definition.opcode != op::SPEC_CONSTANT => "bool",
             Some((Component::Float, _)) => "f32",
             Some((Component::Int, _)) => "i32",
             _ => "u32",
         };
         let is_true = definition.opcode == op::SPEC_CONSTANT_TRUE;
-        let default = if ty == "bool" { u32::from(is_true) } else { definition.word(2) };
-        found.push(Constant { id, name: code.name(definition.word(1)).to_owned(), ty, default });
+        let default = if ty == "bool" { u32::from(is_true) } else { default_bits };
+        found.push(Constant { id, name: code.name(constant_id).to_owned(), ty, default });
     }
     found.sort();
     found

@@ -40,7 +40,7 @@ struct CompiledCode {
     files: Vec<PathBuf>,
 }
 
-/// Compiles the shader of a pass.
+/// Compiles the shader of a pass, or reads it if it is compiled already (`.spv`), and reads its interface.
 ///
 /// # Errors
 /// [`Io`](ssct_ground::Error::Io) if there is no file. [`Malformed`](ssct_ground::Error::Malformed) with the line of the compiler's
@@ -94,6 +94,7 @@ fn pipeline_interface(interface: &ShaderInterface) -> Interface {
 /// Reads a file of SPIR-V, which needs no compiler.
 fn read_spirv(path: &Path) -> Result<CompiledCode> {
     let bytes = bounded::read(path, "a shader", MAX_BYTES)?;
+    // A module has a header of five words, of which the first is SPIR-V's magic number.
     let is_code =
         bytes.len() >= 20 && bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203_u32.to_le_bytes());
     if !is_code {

@@ -67,7 +67,8 @@ pub const NAMES: [(&str, &str); 36] = [
 ];
 
 impl Feed {
-    /// Reads a value of the manifest.
+    /// Reads a value of the manifest; `parameters` has the names of the manifest's parameters. The error is a clause
+    /// that says what is wrong.
     pub fn parse(value: &toml::Value, parameters: &[String]) -> Result<Self, String> {
         let number = |v: &toml::Value| match v {
             toml::Value::Integer(n) => Some(*n as f64),
@@ -88,9 +89,9 @@ impl Feed {
                     })
                 }
             },
-            toml::Value::Array(all) => {
-                let all: Option<Vec<f64>> = all.iter().map(number).collect();
-                all.map(Self::Numbers).ok_or_else(|| "an array must have numbers alone".to_owned())
+            toml::Value::Array(elements) => {
+                let numbers: Option<Vec<f64>> = elements.iter().map(number).collect();
+                numbers.map(Self::Numbers).ok_or_else(|| "an array must have numbers alone".to_owned())
             }
             other => number(other)
                 .map(|n| Self::Numbers(vec![n]))
@@ -100,7 +101,7 @@ impl Feed {
 
     /// True if the value has the name `wanted`.
     pub fn is_named(&self, wanted: &str) -> bool {
-        *self == Self::Named(NAMES.iter().find(|(name, _)| *name == wanted).map_or("", |(name, _)| name))
+        matches!(self, Self::Named(name) if *name == wanted)
     }
 }
 
@@ -159,7 +160,7 @@ impl FilledField {
         let [elements, columns, rows] = self.field.shape;
         let numbers = self.field.places.len();
         let fits = match &self.feed {
-            Feed::Numbers(all) => all.len() == numbers,
+            Feed::Numbers(given) => given.len() == numbers,
             Feed::Parameter(_) => numbers == 1,
             Feed::Named(name) => match *name {
                 "eye" => numbers == 3 || numbers == 4,
@@ -210,7 +211,7 @@ impl Feed {
         let [pass_width, pass_height] = state.pass_extent.map(f64::from);
         let flag = |on: bool| vec![f64::from(u8::from(on))];
         match self {
-            Self::Numbers(all) => all.clone(),
+            Self::Numbers(numbers) => numbers.clone(),
             Self::Parameter(name) => vec![state.parameter(name)],
             Self::Named(name) => match *name {
                 "eye" => state.eye().to_array().to_vec(),
@@ -352,6 +353,7 @@ mod tests {
     use super::*;
     use ssct_scenes::Lens;
 
+    /// Returns the state of a frame of 200 × 100 pixels, in which a pass writes level 3 of 100 × 50 texels.
     fn state<'a>(camera: &'a Camera, values: &'a Values, conventions: Conventions) -> FrameState<'a> {
         FrameState {
             camera,
@@ -371,6 +373,7 @@ mod tests {
         }
     }
 
+    /// Returns the matrix with a name of [`NAMES`], its numbers taken column by column.
     fn matrix(state: &FrameState, name: &'static str) -> DMat4 {
         let numbers = Feed::Named(name).numbers(state, 16);
         DMat4::from_cols_slice(&numbers)
@@ -407,6 +410,7 @@ mod tests {
         }
     }
 
+    /// Makes a field of a block that a shader reads; `shape` and `places` are as in [`BlockField`].
     fn field(component: Component, shape: [u32; 3], places: &[u32]) -> BlockField {
         BlockField { name: "f".to_owned(), component, shape, places: places.to_vec(), is_read: true }
     }
@@ -454,7 +458,7 @@ mod tests {
     }
 
     #[test]
-    fn the_documentation_has_every_value() {
+    fn the_documentation_lists_every_name_of_a_value_with_its_meaning() {
         let page = include_str!("../../../docs/custom-methods.md");
         for (name, help) in NAMES {
             assert!(page.contains(&format!("| `{name}` | {help} |")), "{name}");
@@ -462,7 +466,8 @@ mod tests {
     }
 
     #[test]
-    fn values_are_read_and_refused() {
+    fn numbers_names_and_parameters_are_read_and_other_values_refused() {
+        // Reads a value of a method that has one parameter, `a-b`.
         let parse = |text: &str| {
             Feed::parse(&toml::from_str::<toml::Table>(&format!("v = {text}")).unwrap()["v"], &["a-b".into()])
         };

@@ -44,7 +44,7 @@ pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
     placement.captures.iter().zip(&placement.seen).enumerate().map(record).collect()
 }
 
-/// Returns a table as text, with one row for each capture.
+/// Returns a table of captures as text, with one row for each capture; captures are numbered from 1.
 pub fn text(records: &[CaptureRecord]) -> String {
     let mut rows = vec![["capture", "place", "near", "resolution", "from", "seen so far"].map(str::to_owned).to_vec()];
     rows.extend(records.iter().enumerate().map(|(index, r)| {
@@ -70,7 +70,7 @@ const MAP_BORDER: f32 = 24.0;
 /// and the captures with their numbers. x runs to the right, z up.
 pub fn map(placement: &Placement) -> String {
     let places = placement.stands.iter().copied().chain(placement.captures.iter().map(|c| c.position));
-    let (min, max) = places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    let (min, max) = places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
     let extent = (max - min).max(Vec3::splat(1e-3));
     let scale = MAP_SIDE / extent.xz().max_element();
     let point = |p: Vec3| Vec2::new(MAP_BORDER + scale * (p.x - min.x), MAP_BORDER + scale * (max.z - p.z));
@@ -137,6 +137,7 @@ impl CubePictures {
 
     /// Lays the cube open as a cross; returns a picture of its colour, and one of its depth (near bright, sky black).
     pub fn crosses(self) -> [Rgb; 2] {
+        // Each face has two pictures: number 0 of its colour, and number 1 of its depth.
         [0, 1].map(|kind| {
             let side = self.faces.first().map_or(1, |(_, pictures)| pictures[kind].width);
             let [width, height] = CROSS.map(|n| n * side);
@@ -161,7 +162,7 @@ mod tests {
 
     /// Beside an edge of the cross, the two faces show nearly the same direction.
     #[test]
-    fn faces_lie_beside_those_that_they_touch_in_a_cross() {
+    fn faces_that_touch_in_a_cross_share_an_edge_of_the_cube() {
         let side = 64;
         let count = (side * side) as usize;
         let mut pictures = CubePictures::default();
@@ -203,6 +204,8 @@ mod tests {
         assert_eq!(texel(0, 0), [i32::from(EMPTY); 3]);
     }
 
+    /// Makes a placement of two captures, of which a scene file gave the first, and of two places where people can
+    /// stand.
     fn placement() -> Placement {
         let capture = |x: f32| Capture::placed_at(Vec3::new(x, 1.5, 2.0));
         Placement {

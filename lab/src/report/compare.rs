@@ -11,30 +11,30 @@ use ssct_ground::math::display_byte;
 use ssct_scenes::inside::PathInFolder;
 use ssct_truth::metrics::bootstrap::{MIN_SAMPLES, Verdict};
 
-/// Writes compare.json and compare.txt.
+/// Writes the records of a comparison as compare.json, and its text as compare.txt.
 pub fn write(folder: &PathInFolder, json: &str, text: &str) -> Result<()> {
     folder.join("compare.json").write(json.as_bytes())?;
     folder.join("compare.txt").write(text.as_bytes())
 }
 
-/// Writes a comparison of times as compare.json and compare.txt.
+/// Writes a comparison of times as compare.json and compare.txt. With `all`, the text has rows for the parts of groups.
 pub fn write_times(folder: &PathInFolder, records: &[TimeComparison], all: bool) -> Result<()> {
     write(folder, &files::json(records), &times_text(records, all))
 }
 
 /// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
 /// or more, sRGB-encoded; magenta is NaN) with its scale as error-scale.svg, and FLIP's map as flip.png.
-pub fn write_images(folder: &PathInFolder, found: &ImageComparison) -> Result<()> {
-    write(folder, &files::json(std::slice::from_ref(found)), &images_text(found))?;
-    let (width, height) = (found.width, found.height);
-    let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
+pub fn write_images(folder: &PathInFolder, comparison: &ImageComparison) -> Result<()> {
+    write(folder, &files::json(std::slice::from_ref(comparison)), &images_text(comparison))?;
+    let (width, height) = (comparison.width, comparison.height);
+    let map = Pixels { width, height, channels: 1, values: comparison.rmse_map.clone() };
     write_exr(folder.join("error.exr"), &map, &["rmse"])?;
     let shade = |c: &[f32]| if c[0].is_nan() { [255, 0, 255] } else { [display_byte(c[0]); 3] };
     Rgb::from_pixels(&map, shade).write_png(folder.join("error.png"))?;
-    let greatest = (found.greatest, &*difference_text(f64::from(found.greatest)));
+    let greatest = (comparison.greatest, &*difference_text(f64::from(comparison.greatest)));
     let scale = scale("error.png", "root mean square error of a pixel, linear", greatest);
     folder.join("error-scale.svg").write(scale.as_bytes())?;
-    Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(folder.join("flip.png"))
+    Rgb { width, height, bytes: comparison.flip_picture.clone() }.write_png(folder.join("flip.png"))
 }
 
 /// The text of a comparison: both runs, the rules, a row for each pass and total that both runs have, the passes of one run alone, and how
@@ -47,28 +47,30 @@ pub fn times_text(records: &[TimeComparison], all: bool) -> String {
     }
     text += &interval_method_text(first);
     text += &tables::aligned(&compare::cells(records, all));
-    let both = || records.iter().filter(|r| r.only_in.is_none());
-    if both().any(|r| r.noise_floor.is_some()) {
+    // The records of passes and totals that both runs have.
+    let in_both = || records.iter().filter(|r| r.only_in.is_none());
+    if in_both().any(|r| r.noise_floor.is_some()) {
         text += "\nNothing within its noise floor (how far a run strays from itself) is faster or slower.\n";
     }
-    if both().any(|r| r.drift.is_some()) {
+    if in_both().any(|r| r.drift.is_some()) {
         text += "\nDrift: how much longer the scene passes took in B. They are the same work on both sides: the machine changed by as much.\n";
     }
     // The scene passes of both sides give a drift wherever they are known to do the same work.
-    if both().any(|r| !r.counted && r.drift.is_none()) {
+    if in_both().any(|r| !r.counted && r.drift.is_none()) {
         text += "\nDrift: none where the scene passes are not known to be the same work on both sides.\n";
     }
-    if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
+    if in_both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }
     text.extend(compare::note_on_own(records).map(|note| format!("\n{note}\n")));
     text += &only_in_one(records, all);
-    let totals = |v: Verdict| both().filter(|r| r.pass == TOTAL && r.verdict == Some(v)).count();
-    let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", totals(*v), v.name())).collect();
+    let count = |verdict| in_both().filter(|r| r.pass == TOTAL && r.verdict == Some(verdict)).count();
+    let counts: Vec<_> = Verdict::ALL.iter().map(|verdict| format!("{} {}", count(*verdict), verdict.name())).collect();
     text + &format!("\nTotals: {}\n", counts.join(", "))
 }
 
-/// Returns two lines of text: the name of each run, with its device.
+/// Returns two lines of text: the name of each of the two runs, A and B, with its device. `first` is any record of
+/// them.
 fn sides(first: &TimeComparison) -> String {
     let device = |d: &Option<DeviceInfo>| {
         let known = |d: &DeviceInfo| format!("{}, {}, {}", d.name, d.kind, d.driver);
@@ -134,18 +136,19 @@ fn difference_text(value: f64) -> String {
 }
 
 /// Returns the figures of a comparison of two images as text.
-pub fn images_text(found: &ImageComparison) -> String {
-    let [x, y] = found.greatest_at;
+pub fn images_text(comparison: &ImageComparison) -> String {
+    let [x, y] = comparison.greatest_at;
+    let relative_mse = comparison.rel_mse.map_or_else(|| "- (A is black)".to_owned(), difference_text);
     let mut rows = vec![
-        ["RMSE, linear".to_owned(), difference_text(found.rmse)],
-        ["greatest RMSE of a pixel".to_owned(), difference_text(f64::from(found.greatest))],
-        ["relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), difference_text)],
-        ["FLIP mean, display".to_owned(), difference_text(found.flip)],
+        ["RMSE, linear".to_owned(), difference_text(comparison.rmse)],
+        ["greatest RMSE of a pixel".to_owned(), difference_text(f64::from(comparison.greatest))],
+        ["relative MSE, linear".to_owned(), relative_mse],
+        ["FLIP mean, display".to_owned(), difference_text(comparison.flip)],
     ];
-    if found.greatest > 0.0 {
+    if comparison.greatest > 0.0 {
         rows.insert(2, ["where that pixel is".to_owned(), format!("{x}, {y}")]);
     }
     let rows: Vec<_> = rows.into_iter().map(Vec::from).collect();
-    let size = format!("{}x{}", found.width, found.height);
-    format!("A  {} (the reference), {size}\nB  {}\n\n", found.head.a, found.head.b) + &tables::aligned(&rows)
+    let size = format!("{}x{}", comparison.width, comparison.height);
+    format!("A  {} (the reference), {size}\nB  {}\n\n", comparison.head.a, comparison.head.b) + &tables::aligned(&rows)
 }

@@ -98,17 +98,17 @@ fn attributes(tag: &str) -> &str {
     &tag[..end.unwrap_or(tag.len())]
 }
 
-/// Copies the files of some folders into one: the first of several files of one name. If `must_be_equal` is true, unequal
-/// files of one name are refused.
+/// Copies the files of the folders `from` into the folder `to`; of several files of one name, the first. If
+/// `must_be_equal` is true, unequal files of one name are refused.
 pub fn copy_files(from: &[PathInFolder], to: &PathInFolder, must_be_equal: bool) -> Result<()> {
-    let mut all: BTreeMap<String, Vec<PathInFolder>> = BTreeMap::new();
+    let mut places_by_name: BTreeMap<String, Vec<PathInFolder>> = BTreeMap::new();
     for folder in from {
         check_files(folder)?;
         for listed in folder.list()? {
-            all.entry(listed.name.clone()).or_default().push(folder.join(&listed.name));
+            places_by_name.entry(listed.name.clone()).or_default().push(folder.join(&listed.name));
         }
     }
-    all.iter().try_for_each(|(name, places)| copy_file(places, &to.join(name), must_be_equal))
+    places_by_name.iter().try_for_each(|(name, places)| copy_file(places, &to.join(name), must_be_equal))
 }
 
 /// Copies the first of some files that exists. If `must_be_equal` is true, all that exist must be equal.

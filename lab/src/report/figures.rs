@@ -61,7 +61,8 @@ impl Figure {
 /// Number of levels in the figures 4.9 and 4.10.
 const SSLR_LEVELS: usize = 5;
 
-/// Draws a figure.
+/// Draws a figure from the intermediate images of a frame that was rendered for it; `lens` is that of the camera. It is
+/// an error if the frame lacks an image that the figure shows.
 pub fn draw(figure: Figure, images: &Intermediates, lens: &Lens) -> Result<Rgb> {
     match figure {
         Figure::VisibilityChain => chain(images, "visibility", 1..usize::MAX, lens),
@@ -97,9 +98,9 @@ fn chain(images: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) 
         return Err(Error::usage(format!("the figure needs a method with a chain {name} of more than {least} levels")));
     };
     let gap = 4;
-    let column = levels.get(1).map_or(0, |l| l.width + gap);
-    let stacked: u32 = levels[1..].iter().map(|l| l.height + gap).sum();
-    let mut sheet = blank(first.width + column, first.height.max(stacked), 255);
+    let column_width = levels.get(1).map_or(0, |level| level.width + gap);
+    let column_height: u32 = levels[1..].iter().map(|level| level.height + gap).sum();
+    let mut sheet = blank(first.width + column_width, first.height.max(column_height), 255);
     paste(&mut sheet, first, 0, 0);
     let mut y = 0;
     for level in &levels[1..] {
@@ -117,14 +118,14 @@ fn ray_split(images: &Intermediates) -> Result<Rgb> {
     );
     let split = paths(find_image(images, Content::Hits, "hits")?);
     // For each byte of the picture, whether the path code of its pixel has a colour.
-    let has_code = split.bytes.chunks_exact(3).flat_map(|p| [p.iter().any(|v| *v > 0); 3]);
+    let has_color = split.bytes.chunks_exact(3).flat_map(|pixel| [pixel.iter().any(|byte| *byte > 0); 3]);
     let mix = |lit: u8, code: u8| (u16::from(lit) / 2 + u16::from(code) / 2) as u8;
     let bytes = lit
         .bytes
         .iter()
         .zip(&split.bytes)
-        .zip(has_code)
-        .map(|((lit, code), has_code)| if has_code { mix(*lit, *code) } else { *lit })
+        .zip(has_color)
+        .map(|((lit, code), has_color)| if has_color { mix(*lit, *code) } else { *lit })
         .collect();
     Ok(Rgb { bytes, ..lit })
 }

@@ -54,7 +54,7 @@ pub fn read_samples(file: &PathInFolder) -> Result<Vec<TimeSample>> {
     let headers = reader.headers().map_err(|e| Error::malformed(path, Some(1), e.to_string()))?.clone();
     let parameters = methods::parameters();
     for record in reader.records() {
-        let line = |p: Option<&csv::Position>| p.and_then(|p| usize::try_from(p.line()).ok());
+        let line = |position: Option<&csv::Position>| position.and_then(|p| usize::try_from(p.line()).ok());
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
         let subject = row_subject(&headers, &record, &parameters);

@@ -40,7 +40,7 @@ pub fn reflectivity(material: &Pixels) -> Rgb {
     Rgb::from_pixels(material, |c| [unit_byte(c[0]); 3])
 }
 
-/// Returns the view-space position of each pixel, from its reversed depth; `None` for sky.
+/// Returns the view-space position of each pixel in metres, from its reversed depth; `None` for sky.
 fn positions(depth: &Pixels, camera: &Camera) -> Vec<Option<Vec3>> {
     let clip_to_view = camera.view_to_clip_reversed().inverse();
     let size = Vec2::new(depth.width as f32, depth.height as f32);
@@ -90,9 +90,9 @@ mod tests {
     }
 
     #[test]
-    fn a_range_goes_from_black_to_white() {
+    fn the_least_coordinates_are_black_the_greatest_white_and_sky_black() {
         let p = |x: f32| Some(Vec3::new(x, 5.0, -x));
-        let made = position_picture([2, 2], &[p(1.0), p(3.0), None, p(2.0)]);
-        assert_eq!(made.bytes, [0, 0, 255, 255, 0, 0, 0, 0, 0, 128, 0, 128]);
+        let picture = position_picture([2, 2], &[p(1.0), p(3.0), None, p(2.0)]);
+        assert_eq!(picture.bytes, [0, 0, 255, 255, 0, 0, 0, 0, 0, 128, 0, 128]);
     }
 }

@@ -85,32 +85,34 @@ pub fn write_readme(folder: &PathInFolder, device: &DeviceInfo, command: &str, r
     folder.join(README).write(page.as_bytes())
 }
 
-/// Writes `gpu-study.json` and the [`PAGE`].
+/// Writes `gpu-study.json`, which has the findings and the README's numbers, and the [`PAGE`], which has the times and
+/// the findings.
 pub fn write(
     folder: &PathInFolder,
     device: &DeviceInfo,
     command: &str,
     (times, readme): (&DeviceTimes, &[ReadmeRecord]),
-    found: &Findings,
+    findings: &Findings,
 ) -> Result<()> {
-    let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::pass_rates(r, &found.copy)).collect();
-    let all: Vec<_> = records(device, &rates, found).into_iter().chain(readme.iter().map(|r| json!(r))).collect();
-    folder.join("gpu-study.json").write(files::json(&all).as_bytes())?;
-    folder.join(PAGE).write(page(device, command, times, &rates, found).as_bytes())
+    let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::pass_rates(r, &findings.copy)).collect();
+    let finding_records = records(device, &rates, findings);
+    let all_records: Vec<_> = finding_records.into_iter().chain(readme.iter().map(|r| json!(r))).collect();
+    folder.join("gpu-study.json").write(files::json(&all_records).as_bytes())?;
+    folder.join(PAGE).write(page(device, command, times, &rates, findings).as_bytes())
 }
 
 /// The records of the findings: everything of the study but its times.
-fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> Vec<Value> {
-    let validation = match &found.validation {
+fn records(device: &DeviceInfo, rates: &[BandwidthRecord], findings: &Findings) -> Vec<Value> {
+    let validation = match &findings.validation {
         LayerMessages::Unknown(why) => json!({ "kind": "validation", "device": device, "messages": null, "why": why }),
-        LayerMessages::Said(all) => json!({ "kind": "validation", "device": device, "messages": all }),
+        LayerMessages::Said(messages) => json!({ "kind": "validation", "device": device, "messages": messages }),
     };
-    let rates = [&found.copy].into_iter().chain(rates).map(|r| json!(r));
-    let steps = found.steps.iter().map(|r| json!(r));
-    let agreement = found.agreement.iter().map(|r| json!(r)).chain(found.drawn.iter().map(|r| json!(r)));
-    let programs = match &found.programs {
+    let rates = [&findings.copy].into_iter().chain(rates).map(|r| json!(r));
+    let steps = findings.steps.iter().map(|r| json!(r));
+    let agreement = findings.agreement.iter().map(|r| json!(r)).chain(findings.drawn.iter().map(|r| json!(r)));
+    let programs = match &findings.programs {
         CompiledPrograms::Unknown(why) => vec![json!({ "kind": "shaders", "device": device, "why": why })],
-        CompiledPrograms::Said(all) => all.iter().map(|r| json!(r)).collect(),
+        CompiledPrograms::Said(records) => records.iter().map(|r| json!(r)).collect(),
     };
     rates.chain(steps).chain(agreement).chain([validation]).chain(programs).collect()
 }
@@ -121,9 +123,9 @@ fn page(
     command: &str,
     times: &DeviceTimes,
     rates: &[BandwidthRecord],
-    found: &Findings,
+    findings: &Findings,
 ) -> String {
-    let all_rates = [std::slice::from_ref(&found.copy), rates].concat();
+    let all_rates = [std::slice::from_ref(&findings.copy), rates].concat();
     html::tables_page(
         "A device",
         Some(device),
@@ -184,17 +186,17 @@ fn page(
                 pair_cells(&times.tracers, ["tree", "query"]),
             ),
             BandwidthRecord::table(&all_rates),
-            StepsRecord::table(&found.steps),
-            AgreementRecord::table(&found.agreement),
-            DrawnRecord::table(&found.drawn),
+            StepsRecord::table(&findings.steps),
+            AgreementRecord::table(&findings.agreement),
+            DrawnRecord::table(&findings.drawn),
             Table::new(
                 "validation",
                 "Validation",
                 "The messages of the Khronos validation layers about any method that the allow-list does not excuse; there \
                  should be none.",
-                validation_cells(&found.validation),
+                validation_cells(&findings.validation),
             ),
-            compiled_table(&found.programs),
+            compiled_table(&findings.programs),
             Table::new(
                 "passes",
                 "Every pass",
@@ -213,9 +215,9 @@ fn compiled_table(programs: &CompiledPrograms) -> Table {
     }
 }
 
-/// Begins a table with the names of its columns.
+/// Returns a table that has one row so far: the names of its columns.
 fn header(names: &[&str]) -> Vec<Vec<String>> {
-    vec![names.iter().map(|n| (*n).to_owned()).collect()]
+    vec![names.iter().map(|name| (*name).to_owned()).collect()]
 }
 
 /// Returns the cells of a row that say where a time was measured: view, size and roughness.

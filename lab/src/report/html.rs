@@ -192,8 +192,8 @@ fn page_header(
 }
 
 /// The text about a device: name, kind, version of Vulkan, and driver.
-fn device_text(d: &DeviceInfo) -> String {
-    format!("{} ({}, Vulkan {}, {})", d.name, d.kind, d.api, d.driver)
+fn device_text(device: &DeviceInfo) -> String {
+    format!("{} ({}, Vulkan {}, {})", device.name, device.kind, device.api, device.driver)
 }
 
 /// The head of a page, with the style sheet in it.
@@ -221,7 +221,7 @@ fn missing_cells(missing: &[String]) -> Markup {
     }
 }
 
-/// Adds a list of missing cells to the page of a study, below the header.
+/// Returns the HTML `page` of a study with a list of missing cells below its header, or unchanged if none are missing.
 pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
     const END: &str = "</header>";
     let header_end = page.find(END).map_or(0, |offset| offset + END.len());

@@ -42,10 +42,11 @@ pub fn write_rgba_png(to: impl Into<PathInFolder>, extent: [u32; 2], rgba: &[u8]
     write_png(&to.into(), extent, rgba, image::ExtendedColorType::Rgba8)
 }
 
-/// Writes the bytes of an image as a PNG; `kind` says which channels the bytes are.
-fn write_png(to: &PathInFolder, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
+/// Writes the bytes of an image as a PNG; `channels` says which channels a pixel has, and how many bits each.
+fn write_png(to: &PathInFolder, extent: [u32; 2], bytes: &[u8], channels: image::ExtendedColorType) -> Result<()> {
+    let [width, height] = extent;
     let mut encoded = Cursor::new(Vec::new());
-    image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
+    image::write_buffer_with_format(&mut encoded, bytes, width, height, channels, image::ImageFormat::Png)
         .map_err(|e| Error::io("encode", to.path(), std::io::Error::other(e)))?;
     to.write(encoded.get_ref())
 }
@@ -149,20 +150,18 @@ pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) ->
     decode_exr_channels(&bounded::read(path, "an image", MAX_BYTES)?, path, names, fourth)
 }
 
-/// Decodes the bytes of a file that [`read_exr_channels`] reads.
+/// Decodes the bytes of a file as [`read_exr_channels`] does; `path` names the file in errors.
 pub fn decode_exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let limit = MAX_EXTENT as usize;
-    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
-        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
+    let layer_sizes = || meta.headers.iter().map(|header| [header.layer_size.0, header.layer_size.1]);
+    if let Some([width, height]) = layer_sizes().find(|sides| sides.iter().any(|side| *side > limit)) {
+        return Err(wrong(format!("an image of {width}x{height} pixels; at most {limit} a side are read")));
     }
-    meta.headers
-        .iter()
-        .map(|h| h.layer_size)
-        .try_for_each(|size| check_pixels([size.0 as u32, size.1 as u32], path))?;
+    layer_sizes().try_for_each(|sides| check_pixels(sides.map(|side| side as u32), path))?;
     check_claims(&meta, bytes.len(), path, "the image")?;
     let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
     // The decoder of single channels treats every channel as one of full resolution.
@@ -198,9 +197,10 @@ pub fn decode_exr_channels(bytes: &[u8], path: &Path, names: [&str; 3], fourth: 
     Ok(Pixels { width, height, channels: 4, values: layer.channel_data.pixels.1 })
 }
 
-/// Makes a picture to look at of an image of a frame; `kind` says what the numbers of the image mean.
-pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
-    match kind {
+/// Makes a picture to look at of an image of a frame. `content` says what the numbers of the image mean, and the planes
+/// of `lens` decide the shades of depths.
+pub fn picture(content: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
+    match content {
         Content::Color => display(pixels),
         Content::Normal => Rgb::from_pixels(pixels, |c| {
             [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit_byte(c[i] * 0.5 + 0.5) })
@@ -219,8 +219,8 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         }),
         Content::Numbers => Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| c.get(i).map_or(0, |v| unit_byte(*v)))),
         Content::Steps => {
-            let most = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
-            Rgb::from_pixels(pixels, |c| [unit_byte(c[0] / most); 3])
+            let most_steps = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
+            Rgb::from_pixels(pixels, |c| [unit_byte(c[0] / most_steps); 3])
         }
         Content::Material => Rgb::from_pixels(pixels, |c| [unit_byte(c[0]), unit_byte(c[1]), 0]),
         Content::Hits => Rgb::from_pixels(pixels, |c| {
@@ -285,12 +285,12 @@ fn distance_shade(z: f32, lens: &Lens) -> u8 {
     srgb_byte(1.0 - (z / lens.near_m).ln() / (1e4_f32).ln())
 }
 
-/// A number from 0 to 1 as a byte.
-pub(super) fn unit_byte(v: f32) -> u8 {
-    (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+/// Returns a number as a byte: 0 for 0 or less, and 255 for 1 or more. It is not encoded as sRGB.
+pub(super) fn unit_byte(number: f32) -> u8 {
+    (number.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// Encodes a share from 0 to 1 as a byte of sRGB.
+/// Encodes a linear share from 0 to 1 as a byte of sRGB; smaller and greater numbers count as 0 and 1.
 fn srgb_byte(share: f32) -> u8 {
     (linear_to_srgb(share.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }

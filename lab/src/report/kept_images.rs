@@ -15,7 +15,7 @@ const COLOR: [&str; 4] = ["R", "G", "B", "A"];
 /// The names of channels in the files of hits.
 const HITS: [&str; 4] = ["X", "Y", "Z", "W"];
 
-/// The file of a G-buffer.
+/// The file of the G-buffer that `stem` tells from others in the folder.
 fn gbuffer_path(folder: &PathInFolder, stem: &str) -> PathInFolder {
     folder.join(format!("gbuffer-{stem}.exr"))
 }
@@ -35,15 +35,15 @@ pub fn write_device(folder: &PathInFolder, device: &DeviceInfo) -> Result<()> {
 pub fn read_device(folder: &PathInFolder) -> Result<DeviceInfo> {
     let path = folder.join("device.json");
     let wrong = |why: String| Error::malformed(path.path(), None, format!("names no device{why}"));
-    let all: Vec<DeviceInfo> = serde_json::from_slice(&path.bytes()?).map_err(|e| wrong(format!(": {e}")))?;
-    all.into_iter().next().ok_or_else(|| wrong(String::new()))
+    let devices: Vec<DeviceInfo> = serde_json::from_slice(&path.bytes()?).map_err(|e| wrong(format!(": {e}")))?;
+    devices.into_iter().next().ok_or_else(|| wrong(String::new()))
 }
 
 /// Writes a G-buffer and the images that methods made of it; `stem` distinguishes several G-buffers in a folder.
-pub fn write(folder: &PathInFolder, stem: &str, data: &GBufferData, made: &[DeviceImage]) -> Result<()> {
+pub fn write(folder: &PathInFolder, stem: &str, data: &GBufferData, images: &[DeviceImage]) -> Result<()> {
     let path = gbuffer_path(folder, stem);
     path.write(&gbuffer_file::encode(data, &path.path())?)?;
-    for DeviceImage { method, reflection, hits } in made {
+    for DeviceImage { method, reflection, hits } in images {
         write_exr(image_path(folder, method.name, stem, ""), reflection, &COLOR)?;
         if let Some(hits) = hits {
             write_exr(image_path(folder, method.name, stem, "-hits"), hits, &HITS)?;

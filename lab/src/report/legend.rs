@@ -30,6 +30,7 @@ pub fn legend(picture: &str, entries: &[(Color, &str, usize)]) -> String {
     let mut svg = Svg::new(Vec2::new(width, 2.0 * MARGIN + ROW * (lines.len() + 1) as f32));
     svg.text(Vec2::new(MARGIN, MARGIN + TEXT), TEXT, r#"font-weight="bold""#, picture);
     for (n, ((color, ..), line)) in entries.iter().zip(&lines).enumerate() {
+        // The name of the picture has the first row.
         let top = MARGIN + ROW * (n + 1) as f32;
         svg.rect(Vec2::new(MARGIN, top), Vec2::splat(TEXT), &format!(r#"fill="{}" {EDGE}"#, hex(*color)));
         svg.text(Vec2::new(MARGIN + ROW, top + TEXT - 2.0), TEXT, "", line);

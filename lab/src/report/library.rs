@@ -67,15 +67,15 @@ fn list_folders(root: &PathInFolder, unreadable: &mut Vec<(String, String)>) -> 
     let mut found = BTreeMap::new();
     let mut to_visit = vec![root.clone()];
     while let Some(folder) = to_visit.pop() {
-        let all = match folder.list() {
-            Ok(all) => all,
+        let entries = match folder.list() {
+            Ok(entries) => entries,
             Err(e) => {
                 unreadable.push((relative(&root.path(), &folder.path()), e.to_string()));
                 continue;
             }
         };
         let (subfolders, others): (Vec<_>, Vec<_>) =
-            all.iter().filter(|entry| !entry.name.starts_with('.')).partition(|entry| entry.is_folder);
+            entries.iter().filter(|entry| !entry.name.starts_with('.')).partition(|entry| entry.is_folder);
         to_visit.extend(subfolders.iter().map(|entry| folder.join(&entry.name)));
         let files = others.iter().map(|entry| folder.join(&entry.name).path());
         // Links to folders are not followed.
@@ -117,7 +117,7 @@ enum FolderContent {
 }
 
 /// Reads every array of records among a folder's files, and the raw samples. `absolute` is the folder's path from the
-/// root of the file system, in which a name may begin with the date.
+/// root of the file system, in which a name may begin with the date. `name` is its path below the library's folder.
 fn read_folder(folder: &Path, absolute: &Path, name: &str, files: &[PathBuf]) -> FolderContent {
     let mut found = FolderRecords::default();
     let (mut faults, mut notes) = (Vec::new(), Vec::new());
@@ -199,29 +199,30 @@ struct FolderRecords {
 type MeasurementKey = (usize, Setting, String, String, Quantity);
 
 impl FolderRecords {
-    /// Adds the records of a file, and a note about records that do not count.
+    /// Adds the records of a file, and a note about records and figures that do not count. The kind of the first
+    /// readable record is that of the file; a file without one is left out.
     fn add_file(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
         let (mut unreadable, mut contradictions) = (Vec::new(), 0);
-        let mut kinds = None;
+        let mut first_kind = None;
         for json in records {
             match read::record(json) {
                 Ok(record) => {
-                    kinds.get_or_insert_with(|| record.kind.clone());
+                    first_kind.get_or_insert_with(|| record.kind.clone());
                     contradictions += self.add_record(record);
                 }
                 Err(why) => unreadable.push(why),
             }
         }
         if let Some(first) = unreadable.first() {
-            let (count, all) = (unreadable.len(), records.len());
-            notes.push(format!("{count} of {all} records of {file} are left out; the first {first}"));
+            let (count, total) = (unreadable.len(), records.len());
+            notes.push(format!("{count} of {total} records of {file} are left out; the first {first}"));
         }
         if contradictions > 0 {
             notes.push(format!(
                 "{contradictions} figures of {file} are left out: another record has the same setup and another value"
             ));
         }
-        if let Some(kind) = kinds {
+        if let Some(kind) = first_kind {
             self.files.push(RecordFile { file: file.to_owned(), kind, records: records.len() });
         }
     }
@@ -240,14 +241,14 @@ impl FolderRecords {
             self.stress[1] += 1;
         }
         let mut contradictions = 0;
-        for m in record.measurements {
-            let m = Measurement { device, ..m };
-            let key = (device, m.setting.clone(), m.view.clone(), m.method.clone(), m.quantity);
+        for measurement in record.measurements {
+            let Measurement { setting, view, method, quantity, value, .. } = &measurement;
+            let key = (device, setting.clone(), view.clone(), method.clone(), *quantity);
             match self.known.get(&key) {
-                Some(index) => contradictions += usize::from(self.measurements[*index].value != m.value),
+                Some(index) => contradictions += usize::from(self.measurements[*index].value != *value),
                 None => {
                     self.known.insert(key, self.measurements.len());
-                    self.measurements.push(m);
+                    self.measurements.push(Measurement { device, ..measurement });
                 }
             }
         }
@@ -255,15 +256,15 @@ impl FolderRecords {
     }
 }
 
-/// Reads the total times of a run's raw samples; `None` if it has no raw samples.
-fn read_samples(folder: &Path, name: &str, all: &FolderRecords) -> Result<Option<compare::Run>> {
+/// Reads the total times of a run's raw samples; `None` if it has no raw samples. `records` are those of the folder.
+fn read_samples(folder: &Path, name: &str, records: &FolderRecords) -> Result<Option<compare::Run>> {
     let file = PathInFolder::folder(folder).join(SAMPLES);
     if file.open()?.is_none() {
         return Ok(None);
     }
     // The samples do not name their device, so it is known only if all records of the folder are from one device.
-    let device = match &all.devices[..] {
-        [one] => Some(one.clone()),
+    let device = match &records.devices[..] {
+        [only] => Some(only.clone()),
         _ => None,
     };
     let run = compare::Run { name: name.to_owned(), device, samples: files::read_samples(&file)? };
@@ -285,7 +286,7 @@ fn run_date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
     (OffsetDateTime::from(newest).date().to_string(), DatedBy::Files)
 }
 
-/// The date that a name begins with, as YYYY-MM-DD.
+/// The date that a name begins with, as YYYY-MM-DD; `None` if it begins with no date of the calendar.
 fn leading_date(name: &str) -> Option<Date> {
     let [year, month, day] = [(0, 4), (5, 7), (8, 10)].map(|(from, to)| name.get(from..to)?.parse::<u16>().ok());
     let dashes = name.get(4..5)? == "-" && name.get(7..8)? == "-";

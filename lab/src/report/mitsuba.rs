@@ -78,7 +78,7 @@ pub fn export(folder: &PathInFolder, input: &Export) -> Result<Exported> {
     arrays.write_receivers(&world, &first_hits)?;
     // The vectors of the reflecting pixels alone, as numbers one after the other.
     let reflecting_values =
-        |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
+        |vectors: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| vectors[*i].to_array()).collect() };
     arrays.write_f64s("reflection_mean", 3, reflecting_values(state.means().collect()))?;
     arrays.write_f64s("reflection_error", 3, reflecting_values(state.standard_errors().collect()))?;
     arrays.write_i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
@@ -228,14 +228,15 @@ impl Arrays<'_> {
 
     /// Writes the reflecting points in the order of their pixels, and the ends of their mirror rays.
     fn write_receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
-        let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
-        let vectors = |vector: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| vector(i).to_array()).collect();
-        self.write_f64s("receiver_position", 3, vectors(&|i| all[i].position))?;
-        self.write_f64s("receiver_normal", 3, vectors(&|i| all[i].normal))?;
-        self.write_f64s("receiver_geometric", 3, vectors(&|i| all[i].geometric_normal))?;
-        self.write_f64s("receiver_incoming", 3, vectors(&|i| all[i].incoming))?;
-        self.write_f64s("receiver_roughness", 1, all.iter().map(|r| r.roughness).collect())?;
-        let rays: Vec<WorldRay> = all
+        let points: Vec<_> = first_hits.receivers.iter().flatten().collect();
+        // The numbers of the vectors that a function returns for the index of each point.
+        let numbers = |vector: &dyn Fn(usize) -> DVec3| (0..points.len()).flat_map(|i| vector(i).to_array()).collect();
+        self.write_f64s("receiver_position", 3, numbers(&|i| points[i].position))?;
+        self.write_f64s("receiver_normal", 3, numbers(&|i| points[i].normal))?;
+        self.write_f64s("receiver_geometric", 3, numbers(&|i| points[i].geometric_normal))?;
+        self.write_f64s("receiver_incoming", 3, numbers(&|i| points[i].incoming))?;
+        self.write_f64s("receiver_roughness", 1, points.iter().map(|point| point.roughness).collect())?;
+        let rays: Vec<WorldRay> = points
             .iter()
             .map(|r| WorldRay { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY })
             .collect();
@@ -258,14 +259,14 @@ impl Arrays<'_> {
 
     /// Writes the tangents of all meshes' vertices, mesh after mesh, and the index of the first vertex of each mesh.
     fn write_tangents(&self, meshes: &[Mesh]) -> Result<()> {
-        let all = meshes.iter().flat_map(|m| &m.vertices).flat_map(|v| v.tangent.map(f64::from));
-        self.write_f64s("vertex_tangent", 4, all.collect())?;
-        let first = meshes.iter().scan(0, |sum, m| {
-            let first = *sum;
-            *sum += m.vertices.len() as i32;
+        let tangents = meshes.iter().flat_map(|mesh| &mesh.vertices).flat_map(|vertex| vertex.tangent.map(f64::from));
+        self.write_f64s("vertex_tangent", 4, tangents.collect())?;
+        let first_vertices = meshes.iter().scan(0, |vertex_count, mesh| {
+            let first = *vertex_count;
+            *vertex_count += mesh.vertices.len() as i32;
             Some(first)
         });
-        self.write_i32s("mesh_first_vertex", first.collect())
+        self.write_i32s("mesh_first_vertex", first_vertices.collect())
     }
 
     /// Writes an array with rows of `columns` numbers.
@@ -283,7 +284,8 @@ impl Arrays<'_> {
         self.write_array(name, "<i4", &format!("({},)", values.len()), values.iter().flat_map(|v| v.to_le_bytes()))
     }
 
-    /// Writes a file of NumPy's format 1.0: magic, version, length of the header, the header, the numbers.
+    /// Writes a file of NumPy's format 1.0: magic, version, length of the header, the header, the numbers. `kind` and
+    /// `shape` are as NumPy writes them, such as `<f8` and `(96, 3)`, and `content` has the bytes of the numbers.
     fn write_array(&self, name: &str, kind: &str, shape: &str, content: impl Iterator<Item = u8>) -> Result<()> {
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
         // The header is padded so that the numbers begin at a multiple of 64 bytes.

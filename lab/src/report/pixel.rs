@@ -82,7 +82,7 @@ fn reflection_lines(report: &PixelReport) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// How the image's colour was mixed.
+/// Returns the image's colour as text, with the numbers by which it was mixed, and as the bytes of a PNG.
 fn image_text(report: &PixelReport) -> String {
     let colors = &report.colors;
     let [r, g, b] = colors.display;

@@ -52,7 +52,7 @@ pub fn draw(drawing: &Drawing) -> Result<String, String> {
     svg.map(|svg| with_replacements(&svg, is_unsafe_in_lines).into_owned())
 }
 
-/// Draws stacked bars, one for each record: the median of each stage of the effect, in milliseconds.
+/// Draws stacked bars as SVG, one for each record: the median of each stage of the effect, in milliseconds.
 fn draw_stage_bars(records: &[StageBar]) -> Result<String, String> {
     let stages: Vec<String> = distinct(records.iter().flat_map(|r| &r.stages).map(|(name, _)| name.clone()));
     let most = records.iter().map(|r| r.stages.iter().map(|(_, ms)| ms).sum::<f64>()).fold(1e-6, f64::max);
@@ -120,7 +120,7 @@ fn series_color(index: usize) -> RGBColor {
 /// Number of names in a line of the legend.
 const LEGEND_COLUMNS: usize = 5;
 
-/// The place in pixels of a stage's name in the legend.
+/// The place in pixels of the entry with an index in a legend of stages: the left upper corner of its square.
 fn legend_place(index: usize) -> (i32, i32) {
     (12 + 124 * (index % LEGEND_COLUMNS) as i32, 10 + 20 * (index / LEGEND_COLUMNS) as i32)
 }
@@ -361,12 +361,12 @@ fn draw_legend_entry<B: DrawingBackend>(
     root.draw(&Text::new(name, (x + 19, y), ("sans-serif", TEXT)))
 }
 
-/// Height in pixels of a legend with as many names in a row as there is room for.
+/// The height in pixels of a legend of lines, which has as many names in a row as there is room for.
 fn line_legend_height(names: &[&str]) -> u32 {
     16 + 20 * names.len().div_ceil(legend_columns(names)) as u32
 }
 
-/// The place in pixels of a line's name in the legend.
+/// The place in pixels of the entry of the line `index` in a legend of lines: the left upper corner of its square.
 fn line_legend_place(names: &[&str], index: usize) -> (i32, i32) {
     let columns = legend_columns(names);
     (12 + (index % columns) as i32 * legend_width(names), 10 + 20 * (index / columns) as i32)
@@ -377,7 +377,7 @@ fn legend_width(names: &[&str]) -> i32 {
     36 + 8 * names.iter().map(|n| n.chars().count()).max().unwrap_or(0) as i32
 }
 
-/// The number of columns for which a legend has room.
+/// The number of columns for which a legend of lines with these names has room; at least 1.
 fn legend_columns(names: &[&str]) -> usize {
     (((WIDTH - 20) as i32 / legend_width(names)) as usize).max(1)
 }
@@ -387,7 +387,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ticks_are_round_and_inside() {
+    fn ticks_of_a_log_axis_are_round_numbers_within_its_bounds() {
         assert_eq!(log_ticks(0.8, 60.0), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
         assert_eq!(log_ticks(0.025, 0.045), [0.03, 0.04]);
     }

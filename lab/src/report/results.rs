@@ -54,7 +54,8 @@ impl<R: Row> Results<'_, R> {
         tables::text(&R::tables(rows, &self.list.settings))
     }
 
-    /// Writes every file into a folder.
+    /// Writes every file into the folder of the run. Files of one device lie there; each of several devices has a
+    /// folder of its own with a page, and the folder of the run has the page and the records of all of them.
     pub fn write(&self, folder: &PathInFolder) -> Result<()> {
         let devices = by_device(self.rows, |r| &r.program().device);
         let mut parts = Vec::new();
@@ -173,8 +174,8 @@ fn declared_sheets<R: Row>(rows: &[R]) -> Vec<Sheet> {
 
 /// Returns the titles and explanations of the columns that have both.
 fn meanings<R: Columns>() -> Vec<(String, &'static str)> {
-    let all = R::columns().columns.into_iter();
-    let explained = all.filter(|c| !c.title.is_empty() && !c.about.is_empty());
+    let columns = R::columns().columns.into_iter();
+    let explained = columns.filter(|c| !c.title.is_empty() && !c.about.is_empty());
     explained.map(|c| (c.title, c.about.trim())).collect()
 }
 

@@ -79,7 +79,8 @@ impl FolderClaim {
         self.continued_journal(0, "")
     }
 
-    /// Makes a journal whose file keeps its first `bytes` bytes, whose text is `known`, and loses what follows them.
+    /// Makes a journal that goes on after the first `bytes` bytes of its file, whose text is `known`. What follows them
+    /// in the file is cut off.
     fn continued_journal(&self, bytes: usize, known: &str) -> Result<Journal> {
         let place = self.folder.join(JOURNAL);
         let mut file = place.append()?;
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_is_one_runs_and_its_journal_goes_on_from_whole_lines() {
+    fn one_run_at_a_time_has_a_folder_and_its_journal_goes_on_from_whole_lines() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("new/folder");
         let claim = FolderClaim::new(&path).expect("free");

@@ -65,7 +65,7 @@ pub fn enlarged(picture: &Rgb, part: Part, factor: u32) -> Rgb {
     Rgb { width: width * factor, height: height * factor, bytes }
 }
 
-/// The picture with a red frame around a part.
+/// Returns the picture with a red frame along the inner edge of a part.
 pub fn framed(picture: &Rgb, part: Part) -> Rgb {
     let [left, top, width, height] = pixel_bounds(picture, part);
     let mut framed = picture.clone();
@@ -101,30 +101,32 @@ mod tests {
         Rgb { width, height, bytes }
     }
 
-    fn pixel(p: &Rgb, x: u32, y: u32) -> [u8; 3] {
-        let i = 3 * (y * p.width + x) as usize;
-        [p.bytes[i], p.bytes[i + 1], p.bytes[i + 2]]
+    /// Returns the colour of the pixel in a column and a row.
+    fn pixel(picture: &Rgb, column: u32, row: u32) -> [u8; 3] {
+        let first = 3 * (row * picture.width + column) as usize;
+        [0, 1, 2].map(|channel| picture.bytes[first + channel])
     }
 
     #[test]
-    fn pictures_stand_where_they_should() {
-        let s = sheet(&[vec![ramp(4, 2), ramp(3, 5)], vec![ramp(2, 2)]]);
-        assert_eq!((s.width, s.height), (4 + GAP + 3, 5 + GAP + 2));
-        assert_eq!(pixel(&s, 3, 1), [3, 1, 7]);
-        assert_eq!(pixel(&s, 3, 2), [255; 3], "below the lower picture");
-        assert_eq!(pixel(&s, 4 + GAP + 2, 4), [2, 4, 7]);
-        assert_eq!(pixel(&s, 1, 5 + GAP + 1), [1, 1, 7]);
+    fn rows_of_pictures_are_aligned_at_their_tops_with_gaps_between_them() {
+        let two_rows = sheet(&[vec![ramp(4, 2), ramp(3, 5)], vec![ramp(2, 2)]]);
+        assert_eq!((two_rows.width, two_rows.height), (4 + GAP + 3, 5 + GAP + 2));
+        assert_eq!(pixel(&two_rows, 3, 1), [3, 1, 7]);
+        assert_eq!(pixel(&two_rows, 3, 2), [255; 3], "below the lower picture");
+        assert_eq!(pixel(&two_rows, 4 + GAP + 2, 4), [2, 4, 7]);
+        assert_eq!(pixel(&two_rows, 1, 5 + GAP + 1), [1, 1, 7]);
         assert_eq!((sheet(&[]).width, sheet(&[]).height), (0, 0));
     }
 
     #[test]
     fn parts_are_enlarged_and_framed() {
-        let e = enlarged(&ramp(8, 8), [0.5, 0.25, 0.25, 0.5], 3);
-        assert_eq!((e.width, e.height), (6, 12));
-        assert_eq!((pixel(&e, 2, 0), pixel(&e, 3, 11)), ([4, 2, 7], [5, 5, 7]));
-        let f = framed(&ramp(16, 16), [0.25, 0.25, 0.5, 0.5]);
-        assert_eq!((pixel(&f, 4, 8), pixel(&f, 11, 11), pixel(&f, 8, 8)), ([230, 30, 30], [230, 30, 30], [8, 8, 7]));
-        assert_eq!(pixel(&f, 3, 8), [3, 8, 7]);
+        let large = enlarged(&ramp(8, 8), [0.5, 0.25, 0.25, 0.5], 3);
+        assert_eq!((large.width, large.height), (6, 12));
+        assert_eq!((pixel(&large, 2, 0), pixel(&large, 3, 11)), ([4, 2, 7], [5, 5, 7]));
+        let framed = framed(&ramp(16, 16), [0.25, 0.25, 0.5, 0.5]);
+        let red: [u8; 3] = [230, 30, 30];
+        assert_eq!([pixel(&framed, 4, 8), pixel(&framed, 11, 11), pixel(&framed, 8, 8)], [red, red, [8, 8, 7]]);
+        assert_eq!(pixel(&framed, 3, 8), [3, 8, 7]);
         // A part that reaches beyond the edge is cut to the pixels that there are.
         assert_eq!(enlarged(&ramp(4, 4), [1.0, 0.9, 0.5, 0.5], 1).bytes, [3, 3, 7]);
     }

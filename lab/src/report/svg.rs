@@ -21,7 +21,7 @@ impl Svg {
         let _ = writeln!(self.body, "{shape}");
     }
 
-    /// Adds a rectangle; `attributes` are written into the element as they are.
+    /// Adds a rectangle with its left upper corner at `corner`; `attributes` are written into the element as they are.
     pub(super) fn rect(&mut self, corner: Vec2, size: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<rect x="{:.2}" y="{:.2}" width="{:.2}" height="{:.2}" {attributes}/>"#,
@@ -29,11 +29,11 @@ impl Svg {
         ));
     }
 
-    /// Adds a line from `a` to `b`.
-    pub(super) fn line(&mut self, a: Vec2, b: Vec2, attributes: &str) {
+    /// Adds a line between two points.
+    pub(super) fn line(&mut self, start: Vec2, end: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" {attributes}/>"#,
-            a.x, a.y, b.x, b.y
+            start.x, start.y, end.x, end.y
         ));
     }
 
@@ -51,7 +51,8 @@ impl Svg {
         self.add(format_args!(r#"<polyline points="{}" {attributes}/>"#, points.join(" ")));
     }
 
-    /// Adds text that begins at a point on its base line, unless an attribute `text-anchor` says otherwise.
+    /// Adds text of a height of `size` pixels that begins at a point on its base line, unless an attribute
+    /// `text-anchor` says otherwise.
     pub(super) fn text(&mut self, place: Vec2, size: f32, attributes: &str, text: &str) {
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
         self.add(format_args!(

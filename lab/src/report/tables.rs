@@ -9,7 +9,10 @@ use std::borrow::Cow;
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let rows: Vec<Vec<Cow<str>>> = rows.iter().map(|row| row.iter().map(|cell| one_line(cell)).collect()).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0);
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
     for row in &rows {
@@ -27,8 +30,8 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
 /// Columns of a terminal that has room for tables.
 pub const COLUMNS: usize = 100;
 
-/// Returns a name and a sentence about it, wrapped to lines of at most [`COLUMNS`] characters. In each line the
-/// sentence begins at the column `column`.
+/// Returns a name and a sentence about it, wrapped to lines of at most [`COLUMNS`] characters, if no word is longer. In
+/// each line the sentence begins at the column `column`, counted from 0.
 pub fn wrapped(name: &str, column: usize, sentence: &str) -> String {
     let mut text = format!("{name:<column$}");
     let mut end = column;
@@ -115,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_line_up() {
+    fn the_first_column_is_aligned_left_and_the_others_right() {
         let rows = [["a", "bb"], ["ccc", "d"]].map(|r| r.map(str::to_owned).to_vec());
         assert_eq!(aligned(&rows), "a    bb\nccc   d\n");
         let table = Table { id: "t", title: "T".to_owned(), cells: rows.to_vec(), ..Table::default() };

@@ -44,8 +44,9 @@ fn read_drawn(context: &mut FrameContext, pass: &GBufferPass, camera: Camera) ->
     })
 }
 
-/// Draws captures of a scene. Calls `face` for each face after it is drawn, with the number of the capture, counted
-/// from 0, the number of the face (0…5), and the face's G-buffer, in which sky is black.
+/// Draws captures of a scene, all with one near plane and with the resolution of the first. Calls `face` for each face
+/// after it is drawn, with the number of the capture, counted from 0, the number of the face (0…5), and the face's
+/// G-buffer, in which sky is black.
 pub fn draw_captures(
     stage: &mut Stage,
     materials: &[Material],
@@ -67,7 +68,7 @@ pub fn draw_captures(
     Ok(())
 }
 
-/// Reads the sky of a scene.
+/// Reads the sky of a scene: linear colours, face by face of a cube, each row by row.
 pub fn read_sky(stage: &mut Stage) -> Result<SkyCube> {
     let (context, data) = stage.parts();
     let texels = context.read(data.sky().level(0))?;
@@ -213,7 +214,7 @@ mod tests {
     #[test]
     fn a_hit_ends_at_the_place_that_it_shows_and_a_miss_nowhere() {
         let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), Lens::default(), 1.5);
-        let none = GBufferData {
+        let gbuffer = GBufferData {
             width: 3,
             height: 2,
             camera,
@@ -226,11 +227,12 @@ mod tests {
         };
         let place = DVec3::new(3.0, 1.5, 8.0);
         let view = camera.world_to_view.as_dmat4().transform_point3(place);
-        let p = none.project(view, &none.view_to_clip()).unwrap();
-        let hit = [p.x / 3.0, p.y / 2.0, 1.0 - p.z].map(|v| v as f32);
+        // The pixel and the reversed depth; an image of hits has texture coordinates and standard depth.
+        let projected = gbuffer.project(view, &gbuffer.view_to_clip()).unwrap();
+        let hit = [projected.x / 3.0, projected.y / 2.0, 1.0 - projected.z].map(|number| number as f32);
         let texel = |code: PathCode| [hit[0], hit[1], hit[2], code as u8 as f32];
         let values = [PathCode::HiZ, PathCode::Miss, PathCode::Linear, PathCode::MissSky].map(texel).concat();
-        let ends = ray_ends(&Pixels { width: 3, height: 2, channels: 4, values }, &none);
+        let ends = ray_ends(&Pixels { width: 3, height: 2, channels: 4, values }, &gbuffer);
         for (n, end) in ends.into_iter().enumerate() {
             match end {
                 RayEnd::Place(found) => assert!(n % 2 == 0 && found.distance(place) < 1e-3, "{n}: {found}"),
@@ -243,7 +245,7 @@ mod tests {
         let last_capture = PathCode::Capture as u8 as f32 + 7.0;
         let codes = [last_capture, PathCode::Sky as u8 as f32, PathCode::Unknown as u8 as f32];
         let image = Pixels { width: 3, height: 1, channels: 4, values: codes.map(beyond).concat() };
-        let [RayEnd::Place(found), RayEnd::Sky, RayEnd::Unknown] = ray_ends(&image, &none)[..] else { panic!() };
+        let [RayEnd::Place(found), RayEnd::Sky, RayEnd::Unknown] = ray_ends(&image, &gbuffer)[..] else { panic!() };
         assert!(found.distance(place) < 1e-5, "{found}");
     }
 }

@@ -94,7 +94,7 @@ impl SharedImages {
     pub fn draw(&mut self, stage: &mut Stage, mode: Mode, shot: &Shot) -> Result<&(FrameReport, DrawnCounts)> {
         match &mut self.entry_of(shot).drawn {
             Some(drawn) => Ok(drawn),
-            none => Ok(none.insert(stage.draw_in(mode, shot)?)),
+            not_drawn => Ok(not_drawn.insert(stage.draw_in(mode, shot)?)),
         }
     }
 
@@ -111,7 +111,8 @@ impl SharedImages {
         Ok((whole_frame(scene, report), *drawn, output))
     }
 
-    /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes.
+    /// Begins the history of a shot anew, and runs all but the last of the frames that an image at rest takes, so that
+    /// the next frame shows this image.
     pub fn settle(&mut self, stage: &mut Stage, shot: &Shot) -> Result<()> {
         shot.effect.restart_history();
         (1..shot.frames_at_rest()).try_for_each(|_| self.output(stage, Mode::Plain, shot).map(drop))
@@ -140,6 +141,7 @@ pub fn span_ms(report: &FrameReport) -> [f64; 2] {
 /// Joins the reports of the frame that drew the scene and of the frame of the method into one report. The beginnings of
 /// scene passes are negative, since they ran before the method's frame began.
 fn whole_frame(scene: &FrameReport, method: FrameReport) -> FrameReport {
+    // By how much the frame of the scene began earlier. Without the host's clock, its own length is taken.
     let earlier_ms = match (scene.host, method.host) {
         (Some(scene), Some(method)) => method.begun_us.saturating_sub(scene.begun_us) as f64 / 1e3,
         _ => scene.frame_ms,

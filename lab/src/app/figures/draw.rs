@@ -29,7 +29,7 @@ fn render_all(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Re
     Ok(arguments.iter().map(|a| renderer.render_picture(a)).collect::<crate::error::Result<_>>()?)
 }
 
-/// Arranges pictures in rows of two.
+/// Arranges pictures in rows of two; the last row may have one alone.
 fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
     pictures.chunks(2).map(<[Rgb]>::to_vec).collect()
 }
@@ -136,10 +136,12 @@ pub fn ray(renderer: &mut FigureRenderer, arguments: &[String]) -> anyhow::Resul
     let normals = find_image(&images, "normal")?;
     let extent = [normals.width, normals.height];
     let published: HiZParams = Setup::new(extent).parameters();
-    let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
+    let fade = true;
+    let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, fade));
     let constants = hi_z_constants(&numbers);
     let size = Vec2::new(extent[0] as f32, extent[1] as f32);
     // Traces the reflected ray of pixel n, counted in rows. `None` without a normal, and for a ray towards the camera.
+    // `p_ss` and `v_ss` are the ray's start and direction on the screen, as the thesis calls them.
     let trace_pixel = |n: usize| -> Option<HiZTrace> {
         let (x, y) = (n as u32 % extent[0], n as u32 / extent[0]);
         let normal = Vec3::from_slice(normals.texel(x, y)).try_normalize()?;

@@ -17,7 +17,7 @@ pub enum Document {
 }
 
 impl Document {
-    /// The beginning of file names.
+    /// The word with which the names of the files of the document's figures begin.
     pub fn stem(self) -> &'static str {
         match self {
             Self::Thesis => "thesis",
@@ -108,7 +108,7 @@ pub const HD: Size = Size::Print([1920, 1080]);
 pub const QHD: Size = Size::Print([960, 540]);
 
 impl Plate {
-    /// The file name without its extension.
+    /// The name of the figure's file without its extension, such as `thesis-4.5`.
     pub fn stem(&self) -> String {
         format!("{}-{}", self.source.stem(), self.number)
     }

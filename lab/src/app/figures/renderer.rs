@@ -34,7 +34,8 @@ struct Render {
     options: RenderOptions,
 }
 
-/// Parses the options of an `ssct render` without its `-o`.
+/// Parses the options of an `ssct render`, such as `--scene rooms --view corridor`. They name no file to write; the
+/// command demands one, so a name is added that nothing uses.
 pub fn parse(arguments: &str) -> Result<RenderOptions> {
     let words = ["render"].into_iter().chain(words(arguments)).chain(["-o", "figure.png"]);
     Render::try_parse_from(words).map(|render| render.options).map_err(|e| {
@@ -46,7 +47,7 @@ pub fn parse(arguments: &str) -> Result<RenderOptions> {
 
 /// The words of a command; text between quotation marks is one word.
 fn words(arguments: &str) -> impl Iterator<Item = &str> {
-    // Every second part, beginning with part 1, stood between quotation marks.
+    // Parts with an odd index stood between quotation marks.
     let parts = arguments.split('"').enumerate();
     parts.flat_map(|(n, part)| if n % 2 == 1 { vec![part] } else { part.split_whitespace().collect() })
 }

@@ -3,7 +3,7 @@ use ssct::methods;
 use ssct_ground::parameter::Parameters;
 use ssct_scenes::library;
 
-/// Columns of a terminal that every help has to fit.
+/// Columns of a terminal, which no line of any help may exceed.
 const COLUMNS: usize = 80;
 /// Lines of such a terminal.
 const LINES: usize = 45;
@@ -76,6 +76,7 @@ fn the_short_help_fits_a_screen_with_the_common_options_first() {
 
 #[test]
 fn the_long_help_has_every_option_under_its_heading() {
+    // A parameter of the effect is under the heading of methods, and any other under one that names its methods.
     let effect_parameters = methods::EffectParams::table();
     for (path, mut command) in arranged_leaves(false) {
         let text = command.render_long_help().to_string();

@@ -223,13 +223,13 @@ impl PassInput {
     }
 }
 
-/// Splits `name`, `name:2`, `name:level` or `name:level-1` into the image's name and its level. `level` is the level
-/// that the pass is recorded for.
+/// Splits `name`, `name:2`, `name:level` or `name:level-1` into the image's name and its level: all levels, level 2,
+/// the level that the pass is recorded for, or the level before it.
 fn level_of(text: &str) -> std::result::Result<(&str, LevelOf), String> {
     let Some((name, level)) = text.split_once(':') else { return Ok((text, LevelOf::All)) };
     let parsed = match level.strip_prefix("level") {
         Some("") => Some(LevelOf::Current(0)),
-        Some(less) => less.strip_prefix('-').and_then(|n| n.parse().ok()).map(LevelOf::Current),
+        Some(minus_n) => minus_n.strip_prefix('-').and_then(|n| n.parse().ok()).map(LevelOf::Current),
         None => level.parse().ok().map(LevelOf::Number),
     };
     parsed.map(|level| (name, level)).ok_or_else(|| format!("{text:?}: a level is a number, level, or level-1"))

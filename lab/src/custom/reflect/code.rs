@@ -224,11 +224,13 @@ impl<'a> SpirvCode<'a> {
         (deepest < MOST_DEPTH).then_some(deepest + 1)
     }
 
-    /// Returns the size in bytes of the type that an instruction defines, without a layout: numbers lie without gaps.
+    /// Returns the size in bytes of the type that an instruction defines, if numbers lie without gaps; `None` for a
+    /// type that has no such size, such as an image.
     fn size_of(&self, i: &Instruction) -> Option<u32> {
         let size = |id: u32| self.sizes.get(&id).copied();
         match i.opcode {
             op::TYPE_BOOL => Some(4),
+            // The instruction has the number of bits.
             op::TYPE_INT | op::TYPE_FLOAT => Some(i.word(1) / 8),
             op::TYPE_VECTOR | op::TYPE_MATRIX => size(i.word(1))?.checked_mul(i.word(2)),
             op::TYPE_ARRAY => size(i.word(1))?.checked_mul(self.constant(i.word(2))?),
@@ -267,7 +269,7 @@ impl<'a> SpirvCode<'a> {
         self.member_decorations.get(&(id, member, decoration)).copied()
     }
 
-    /// True if a function reads or writes the variable of an id.
+    /// True if a function reads, writes or hands on the variable of this id.
     pub fn is_used(&self, id: u32) -> bool {
         self.used.contains(&id)
     }

@@ -3,6 +3,7 @@
 use super::*;
 use shaderc::{CompileOptions, Compiler, ShaderKind};
 
+/// Compiles GLSL to the words of a module, as for a method: variables get bindings and locations where they have none.
 fn compiled(text: &str, kind: ShaderKind) -> Vec<u32> {
     let mut options = CompileOptions::new().expect("options");
     options.set_auto_bind_uniforms(true);
@@ -11,12 +12,15 @@ fn compiled(text: &str, kind: ShaderKind) -> Vec<u32> {
     made.expect("compiles").as_binary().to_vec()
 }
 
-fn fragment(declarations: &str, shown: &str) -> ShaderInterface {
+/// Returns the interface of a fragment shader with these declarations that writes the expression `value`. It also has
+/// the input `at`, which is texture coordinates.
+fn fragment(declarations: &str, value: &str) -> ShaderInterface {
     let text =
-        format!("#version 450\nin vec2 at;\nout vec4 shown;\n{declarations}\nvoid main() {{ shown = {shown}; }}\n");
+        format!("#version 450\nin vec2 at;\nout vec4 shown;\n{declarations}\nvoid main() {{ shown = {value}; }}\n");
     reflect(&compiled(&text, ShaderKind::Fragment), true).expect("an interface")
 }
 
+/// Returns the layout of the first variable, which must be a uniform block.
 fn block(interface: &ShaderInterface) -> &BlockLayout {
     match &interface.variables[0].kind {
         VariableKind::Uniform(layout) => layout,
@@ -102,7 +106,7 @@ fn sample() -> Vec<u32> {
 }
 
 #[test]
-fn damaged_code_is_an_interface_or_a_sentence() {
+fn damaged_code_is_read_or_refused_without_a_panic() {
     let words = sample();
     assert!(reflect(&words, true).is_ok());
     // A random generator with a fixed seed, so that every run damages the same words.

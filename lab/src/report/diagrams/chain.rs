@@ -58,11 +58,12 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
     let height = levels.first().map_or(0.0, |l| l.height as f32 * CELL);
     let mut svg = Svg::new(Vec2::new(width - GAP + 2.0 * MARGIN, height + HEAD + FOOT));
     let (low, high) = depth_range(levels);
-    let mut x = MARGIN;
+    // The left side of the current level's drawing.
+    let mut left = MARGIN;
     // The number of cells that miss the least depth of their area, and whether there are texels that no cell reads.
     let (mut wrong, mut unread) = (0, false);
     for (n, level) in levels.iter().enumerate() {
-        let corner = Vec2::new(x, HEAD);
+        let corner = Vec2::new(left, HEAD);
         let title = format!("level {n}: {} × {}", level.width, level.height);
         svg.text(corner + Vec2::new(0.0, -10.0), 14.0, "", &title);
         for y in 0..level.height {
@@ -82,7 +83,7 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
         if let Some(above) = levels.get(n + 1) {
             unread |= draw_marks(&mut svg, corner, level, above, fetches);
         }
-        x += column_width(level) + GAP;
+        left += column_width(level) + GAP;
     }
     let mut notes = vec![
         "Standard depth (0 near, 1 far). Small squares: texels that are fetched; the frame of their colour:",
@@ -103,8 +104,8 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
 
 /// The least and the greatest depth of all levels.
 fn depth_range(levels: &[Level<f32>]) -> (f32, f32) {
-    let all = levels.iter().flat_map(|l| &l.texels);
-    all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)))
+    let depths = levels.iter().flat_map(|l| &l.texels);
+    depths.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)))
 }
 
 /// Width of a level's drawing, with room for its title.
@@ -118,8 +119,8 @@ fn cell_color([x, y]: [u32; 2]) -> &'static str {
     COLORS[(x % 3 + 3 * (y % 3)) as usize]
 }
 
-/// Draws the frame of a cell of depth `z`. If the least depth in its area is less than `z`, also draws that depth and
-/// returns true.
+/// Draws the frame of a cell of depth `z`, whose upper left corner in the drawing is `corner`. If the least depth of
+/// `finest` in the cell's area is less than `z`, also draws that depth and returns true.
 fn draw_frame(svg: &mut Svg, corner: Vec2, level: &Level<f32>, cell: [u32; 2], z: f32, finest: &Level<f32>) -> bool {
     let frame = format!(r#"fill="none" stroke="{}" stroke-width="3""#, cell_color(cell));
     svg.rect(corner + 2.0, Vec2::splat(CELL - 4.0), &frame);
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_lost_is_said() {
+    fn a_cell_that_misses_the_least_depth_of_its_area_shows_this_depth_in_red() {
         // The nearest of five texels is the last (lost without Eq. 4.1) or the second (lost with Eq. 4.1).
         let depth = |nearest: u32| Level::from_fn(5, 1, |x, _| if x == nearest { 0.25 } else { 0.75 });
         let without = |nearest| chain(&undersized(&depth(nearest)), Fetches::Neighbours);

@@ -26,14 +26,15 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
     let triangle = [from, hit + half_base, hit - half_base, from].map(|p| p * screen);
     svg.polyline(triangle.into_iter(), r##"fill="#fff" fill-opacity="0.12" stroke="#fff" stroke-width="2""##);
     let mut level_texts = Vec::new();
-    for (n, c) in circles(length, theta, count, false).iter().enumerate() {
-        let middle = (from + along * c.distance as f32) * screen;
+    for (n, circle) in circles(length, theta, count, false).iter().enumerate() {
+        let middle = (from + along * circle.distance as f32) * screen;
         let color = COLORS[n % COLORS.len()];
         let attributes = format!(r#"fill="{color}" fill-opacity="0.25" stroke="{color}" stroke-width="2""#);
-        svg.circle(middle, screen * c.radius as f32, &attributes);
-        let level = (c.radius * f64::from(screen.max_element())).log2().max(0.0);
+        svg.circle(middle, screen * circle.radius as f32, &attributes);
+        let level = (circle.radius * f64::from(screen.max_element())).log2().max(0.0);
         level_texts.push(format!("{}: level {level:.1}", n + 1));
-        if c.radius * f64::from(screen.y) > 9.0 {
+        // A smaller circle has no room for its number.
+        if circle.radius * f64::from(screen.y) > 9.0 {
             let attributes = r##"text-anchor="middle" fill="#fff" font-weight="bold""##;
             svg.text(middle + Vec2::new(0.0, 5.0), 14.0, attributes, &(n + 1).to_string());
         }
@@ -42,8 +43,8 @@ pub fn cone(from: Vec2, hit: Vec2, theta: f64, count: usize, picture: &Rgb) -> c
         let attributes = format!(r##"fill="{fill}" stroke="#fff" stroke-width="1.5""##);
         svg.circle(point * screen, Vec2::splat(4.0), &attributes);
     }
-    let angle = format!("Half angle {:.4} rad; circles from the hit (white) to the pixel (dark), by Alg. 5:", theta);
-    svg.text(Vec2::new(12.0, screen.y + 22.0), 13.0, "", &angle);
+    let angle_text = format!("Half angle {theta:.4} rad; circles from the hit (white) to the pixel (dark), by Alg. 5:");
+    svg.text(Vec2::new(12.0, screen.y + 22.0), 13.0, "", &angle_text);
     for (n, line) in level_texts.chunks(8).enumerate() {
         svg.text(Vec2::new(12.0, screen.y + 42.0 + 18.0 * n as f32), 13.0, "", &line.join("   "));
     }

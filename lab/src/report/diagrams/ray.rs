@@ -97,51 +97,50 @@ impl Profile {
 
 /// Draws the profile: the depth buffer under the ray, the cells that were read, and the points of the ray.
 fn draw_profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
-    let p = Profile::new(trace, chain);
+    let profile = Profile::new(trace, chain);
     let (corner, size) = (Vec2::new(LEFT, TOP), Vec2::new(WIDTH - LEFT - 24.0, PROFILE));
     svg.text(Vec2::new(LEFT, TOP - 12.0), 15.0, "", "From the side: depth over the way on the screen");
     svg.rect(corner, size, r##"fill="#dfe9f3" stroke="#888""##);
     // The depth buffer under the ray: everything behind its surface is closed.
     let finest = &chain[0];
-    let count = p.length.ceil() as usize * 2;
-    for n in 0..count {
-        let ends = [n, n + 1].map(|n| n as f32 / count as f32 * p.length);
-        let pixel = p.from.xy() * p.pixels + p.along * (0.5 * (ends[0] + ends[1]));
+    let bar_count = profile.length.ceil() as usize * 2;
+    for n in 0..bar_count {
+        let [start, end] = [n, n + 1].map(|n| n as f32 / bar_count as f32 * profile.length);
+        let pixel = profile.from.xy() * profile.pixels + profile.along * (0.5 * (start + end));
         let z = finest.at_clamped(pixel.x.max(0.0) as u32, pixel.y.max(0.0) as u32).min;
-        let bar_corner = p.point(ends[0], p.depth[1]);
-        svg.rect(bar_corner, p.point(ends[1], z) - bar_corner + Vec2::new(0.4, 0.0), r##"fill="#9a9a9a""##);
+        let bar_corner = profile.point(start, profile.depth[1]);
+        let bar_size = profile.point(end, z) - bar_corner + Vec2::new(0.4, 0.0);
+        svg.rect(bar_corner, bar_size, r##"fill="#9a9a9a""##);
     }
     for step in &trace.steps {
-        draw_cell(svg, &p, step);
+        draw_cell(svg, &profile, step);
     }
     // The ray itself, and a point where each iteration left it.
+    let drawn = |ray: Vec3| profile.point(profile.distance(ray.xy()), ray.z);
     let points = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
-    svg.polyline(points.map(|r| p.point(p.distance(r.xy()), r.z)), r##"fill="none" stroke="#111" stroke-width="1.6""##);
+    svg.polyline(points.map(drawn), r##"fill="none" stroke="#111" stroke-width="1.6""##);
     for (n, step) in trace.steps.iter().enumerate() {
-        let point = p.point(p.distance(step.ray.xy()), step.ray.z);
+        let point = drawn(step.ray);
         svg.circle(
             point,
             Vec2::splat(3.2),
             &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, level_color(step.level)),
         );
         // A number is left out if its point is so near to the point before that it would cover the number there.
-        let crowded = n > 0 && {
-            let before = trace.steps[n - 1].ray;
-            p.point(p.distance(before.xy()), before.z).distance(point) < 9.0
-        };
-        if !crowded {
+        let is_crowded = n > 0 && drawn(trace.steps[n - 1].ray).distance(point) < 9.0;
+        if !is_crowded {
             svg.text(point + Vec2::new(4.0, 13.0), 10.0, "", &(n + 1).to_string());
         }
     }
     // The depths at the lower and at the upper border.
-    for z in p.depth {
-        let position = p.point(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
+    for z in profile.depth {
+        let position = profile.point(0.0, z) + Vec2::new(-6.0, if z == profile.depth[0] { 0.0 } else { 10.0 });
         svg.text(position, 12.0, r#"text-anchor="end""#, &depth_text(z));
     }
     let foot = TOP + PROFILE + 18.0;
     svg.text(Vec2::new(LEFT, foot), 12.0, "", "the pixel");
     let right = Vec2::new(WIDTH - 24.0, foot);
-    svg.text(right, 12.0, r#"text-anchor="end""#, &format!("{:.0} pixels on", p.length));
+    svg.text(right, 12.0, r#"text-anchor="end""#, &format!("{:.0} pixels on", profile.length));
     let note = "Dark: the depth buffer. Frames: the cells that were read, from their minimum depth on, coloured by level; \
                 points: where";
     svg.text(Vec2::new(LEFT, foot + 18.0), 12.0, "", note);
@@ -149,20 +148,21 @@ fn draw_profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
     svg.text(Vec2::new(LEFT, foot + 34.0), 12.0, "", note);
 }
 
-/// Draws a cell that an iteration read, from its minimum depth to the greatest depth of the drawing.
-fn draw_cell(svg: &mut Svg, p: &Profile, step: &Step) {
-    let span = p.span(step.cell, step.cell_count);
-    if span[1] <= span[0] {
+/// Draws the cell that the iteration `step` read, from its minimum depth to the greatest depth of the profile. Nothing
+/// is drawn if the ray's line misses the cell.
+fn draw_cell(svg: &mut Svg, profile: &Profile, step: &Step) {
+    let [enters, leaves] = profile.span(step.cell, step.cell_count);
+    if leaves <= enters {
         return;
     }
-    let corner = p.point(span[0], p.depth[1]);
-    let size = p.point(span[1], step.minimum_plane) - corner;
-    let c = level_color(step.level);
-    let attributes = format!(r#"fill="{c}" fill-opacity="0.12" stroke="{c}" stroke-width="1.4""#);
+    let corner = profile.point(enters, profile.depth[1]);
+    let size = profile.point(leaves, step.minimum_plane) - corner;
+    let color = level_color(step.level);
+    let attributes = format!(r#"fill="{color}" fill-opacity="0.12" stroke="{color}" stroke-width="1.4""#);
     svg.rect(corner, size.max(Vec2::ZERO), &attributes);
 }
 
-/// Draws a plot of the level that each iteration reads.
+/// Draws a plot of the level that each iteration reads; `corner` is its upper left corner.
 fn draw_levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     let most = trace.steps.iter().map(|s| s.level).max().unwrap_or(0).max(1);
     let size = Vec2::new(0.5 * WIDTH - 60.0, LOWER - 40.0);
@@ -188,7 +188,8 @@ fn draw_levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
     svg.text(Vec2::new(corner.x + size.x, foot), 12.0, r#"text-anchor="end""#, &last.to_string());
 }
 
-/// Draws the cells that were read, and the ray, where they lie on the screen.
+/// Draws the cells that were read, and the ray, where they lie on the screen; `corner` is the screen's upper left
+/// corner in the drawing.
 fn draw_screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2) {
     let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
     let room = Vec2::new(WIDTH - corner.x - 24.0, LOWER - 40.0);
@@ -203,11 +204,11 @@ fn draw_screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner:
     // Coarse cells come first, or they would hide fine cells.
     let mut cells: Vec<&Step> = trace.steps.iter().collect();
     cells.sort_by_key(|s| std::cmp::Reverse(s.level));
-    for s in cells {
-        let size = pixels / s.cell_count * scale;
-        let c = level_color(s.level);
-        let attributes = format!(r#"fill="{c}" fill-opacity="0.25" stroke="{c}""#);
-        svg.rect(corner + s.cell * size, size, &attributes);
+    for step in cells {
+        let size = pixels / step.cell_count * scale;
+        let color = level_color(step.level);
+        let attributes = format!(r#"fill="{color}" fill-opacity="0.25" stroke="{color}""#);
+        svg.rect(corner + step.cell * size, size, &attributes);
     }
     let place = |r: Vec3| corner + r.xy() * pixels * scale;
     svg.line(place(trace.from), place(trace.last()), r##"stroke="#111" stroke-width="1.4""##);

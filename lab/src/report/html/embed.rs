@@ -33,7 +33,7 @@ pub struct PictureFolder {
 }
 
 impl PictureFolder {
-    /// Makes the value for a folder. Its pictures must not change as long as the value is used.
+    /// Takes the folder at `path`, of which no picture is embedded yet. Its pictures must not change afterwards.
     pub fn new(path: &Path) -> Self {
         Self { place: PathInFolder::folder(path), embedded: RefCell::default() }
     }
@@ -70,7 +70,7 @@ pub fn embed(place: &PathInFolder, widest: u32) -> Result<EmbeddedPicture> {
     Ok(if png_uri.len() <= as_jpeg.uri.len() { EmbeddedPicture { uri: png_uri, ..as_jpeg } } else { as_jpeg })
 }
 
-/// Embeds a picture as a JPEG.
+/// Embeds a picture that lies in memory, and not in a file, as a JPEG.
 pub fn data_uri(picture: &Rgb) -> Result<EmbeddedPicture> {
     let wrong = |what: &str| Error::usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
     let pixels = RgbImage::from_raw(picture.width, picture.height, picture.bytes.clone());

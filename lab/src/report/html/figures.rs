@@ -122,7 +122,8 @@ fn entry(entry: &Entry, folder: &PathInFolder) -> Result<Markup> {
     })
 }
 
-/// Embeds the file of a figure: a drawing unchanged, and a picture at most [`WIDEST`] pixels wide.
+/// Returns the image element of a figure, with the figure's file embedded in it: a drawing unchanged, and a picture at
+/// most [`WIDEST`] pixels wide.
 fn picture(entry: &Entry, file: &str, folder: &PathInFolder) -> Result<Markup> {
     let place = folder.join(file);
     if file.ends_with(".svg") {

@@ -188,13 +188,15 @@ impl LibraryPage<'_> {
             }
         }
         let open = places.len() <= FEW_PLACES;
-        let all = devices(&self.library.runs);
+        let all_devices = devices(&self.library.runs);
         let mut shown = Vec::new();
         let mut last_device: Option<&DeviceInfo> = None;
         for (first, trends) in &places {
             // The trends of each device stand under a heading with its name.
             if last_device.replace(&first.device) != Some(&first.device) {
-                shown.push(html! { h3 { (device_label(&all, &first.device)) ": " (name_among(&first.device, &all)) } });
+                let (label, name) =
+                    (device_label(&all_devices, &first.device), name_among(&first.device, &all_devices));
+                shown.push(html! { h3 { (label) ": " (name) } });
             }
             shown.push(self.place(first, trends, open)?);
         }
@@ -303,7 +305,7 @@ fn device_label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
     format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |index| index + 1))
 }
 
-/// True if two trends are of the same place; the page puts these under one heading.
+/// True if two trends are of one device, one setting and the same views; the page puts these under one heading.
 fn is_one_place(a: &Trend, b: &Trend) -> bool {
     a.device == b.device && a.setting == b.setting && a.views == b.views
 }
@@ -312,7 +314,7 @@ fn is_one_place(a: &Trend, b: &Trend) -> bool {
 fn place_title(setting: &Setting, views: &[String]) -> String {
     let [width, height] = setting.size;
     let views = match views {
-        [one] => one.clone(),
+        [view] => view.clone(),
         several => format!("{} views", several.len()),
     };
     format!("{}, {views}, {width} × {height}, roughness {}", setting.scene, setting.roughness)
@@ -341,6 +343,7 @@ fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
 /// or of at least 10,000 is written with an exponent.
 fn figure_text(value: f64) -> String {
     if value == 0.0 || (1e-3..1e4).contains(&value) {
+        // Four digits, less those before the point.
         let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
         format!("{value:.digits$}")
     } else {

@@ -104,7 +104,8 @@ pub fn table_with_text(table: &Table) -> Markup {
     }
 }
 
-/// A cell whose text breaks only after commas, so that every number stays with its unit.
+/// Returns the text of a cell so that a browser breaks its lines only after commas, and every number stays with its
+/// unit.
 fn unbroken(cell: &str) -> String {
     cell.replace(' ', "\u{a0}").replace(",\u{a0}", ", ")
 }
@@ -122,8 +123,8 @@ pub fn passes(records: &[TimeRecord]) -> Markup {
 }
 
 /// The title of a record's table: scene, view, size in pixels, roughness and method.
-fn title(r: &TimeRecord) -> String {
-    let head = &r.head;
+fn title(record: &TimeRecord) -> String {
+    let head = &record.head;
     let roughness_text = roughness_name(head.roughness);
     format!(
         "{}, {}, {} × {}, roughness {roughness_text}, {}",

@@ -72,11 +72,12 @@ impl Names {
 
     /// Returns a figure as an array: the indices of the texts of its place, the rest of its setting, its method and its
     /// title, and then its value.
-    fn figure(&mut self, m: &Measurement) -> Json {
-        let [width, height] = m.setting.size;
-        let place = format!("{} {}, {width}x{height}, roughness {}", m.setting.scene, m.view, m.setting.roughness);
-        let rest = m.setting.other_settings.join(", ");
-        json!([self.index(&place), self.index(&rest), self.index(&m.method), self.index(m.quantity.title()), m.value])
+    fn figure(&mut self, figure: &Measurement) -> Json {
+        let Measurement { setting, view, method, quantity, value, .. } = figure;
+        let [width, height] = setting.size;
+        let place = format!("{} {view}, {width}x{height}, roughness {}", setting.scene, setting.roughness);
+        let settings = setting.other_settings.join(", ");
+        json!([self.index(&place), self.index(&settings), self.index(method), self.index(quantity.title()), value])
     }
 
     /// Returns the total times of a run's frames as an array with an element for each subject, in order of appearance.
