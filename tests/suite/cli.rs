@@ -385,8 +385,8 @@ fn devices_are_listed_with_the_index_that_device_takes() {
     assert_eq!(text.lines().count(), devices.len());
     let usable = devices.iter().find(|d| d["unsuitable"].is_null()).expect("a device that can be used");
     let (index, name) = (usable["index"].to_string(), usable["name"].as_str().unwrap());
-    let numbers = name.split(|c: char| !c.is_ascii_digit());
-    let number_in_name = numbers.filter(|n| n.parse::<usize>().is_ok_and(|n| n >= devices.len())).next_back();
+    let mut numbers = name.split(|c: char| !c.is_ascii_digit());
+    let number_in_name = numbers.rfind(|n| n.parse::<usize>().is_ok_and(|n| n >= devices.len()));
     for wanted in [index.as_str(), &name.to_uppercase()].into_iter().chain(number_in_name) {
         folder.succeed(&room("render", &["--size", "4x4", "-o", "x.png", "--device", wanted]));
     }
