@@ -390,7 +390,7 @@ pub struct FiguresOptions {
 /// The greatest number of frames or of samples that a command takes.
 const MAX_COUNT: i64 = 1_000_000;
 
-/// Returns a parser of numbers of frames or samples, from `least` to [`MAX_COUNT`].
+/// Returns a parser of numbers of frames or samples, from `least` to `MAX_COUNT`.
 pub fn count_parser(least: i64) -> impl TypedValueParser<Value = usize> {
     clap::value_parser!(u32).range(least..=MAX_COUNT).map(|count| count as usize)
 }
