@@ -1,5 +1,5 @@
-//! Gives the shared library its soname. Without a soname, programs would look for the library in the folder where it lay when they
-//! were linked.
+//! Gives the shared library its soname. Without a soname, programs would look for the library in the folder where it
+//! lay when they were linked.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,7 +1,6 @@
 //! The door for other renderers: their device, their images, their command buffers. [`Context`] is made of raw handles.
-//! [`Reflections`] holds the pipelines and images of one view, and records into a command buffer. [`CaptureCubes`] holds images of
-//! the scene around places that the screen does not show, and [`Triangles`] holds the scene's meshes. Nothing here submits, waits
-//! or presents.
+//! [`Reflections`] holds the pipelines and images of one view, and records into a command buffer. [`CaptureCubes`] are
+//! images of the scene beyond the screen, and [`Triangles`] its meshes. Nothing here submits, waits or presents.
 
 mod camera;
 mod captures;
@@ -35,8 +34,8 @@ impl Context {
     ///
     /// # Safety
     /// The handles belong together, and outlive the context and all that is made with it. The features of
-    /// [`DeviceHandles::enabled`] are on. When the last object made with the context is dropped, the device is done with everything
-    /// that was recorded with it.
+    /// [`DeviceHandles::enabled`] are on. When the last object made with the context is dropped, the device is done
+    /// with everything that was recorded with it.
     pub unsafe fn new(device: DeviceHandles) -> Result<Self> {
         // SAFETY: `Gpu::from_handles` has the contract of this function.
         Ok(Self { gpu: unsafe { Gpu::from_handles(device) }? })
@@ -52,7 +51,7 @@ impl Context {
         self.gpu.has_timestamps()
     }
 
-    /// Bytes of device memory that are allocated with the context; 0 if the caller has its own allocator, which can count them.
+    /// Bytes of device memory that are allocated with the context; 0 if the caller has an allocator of its own.
     pub fn allocated_bytes(&self) -> u64 {
         self.gpu.allocated_bytes()
     }
@@ -64,13 +63,13 @@ impl Context {
     }
 }
 
-/// Lists the methods that need no more than a G-buffer: the name of each, as in [`ReflectionsInfo::method`], and a line that
-/// describes it. `captures` needs [`CaptureCubes`], too, and `traced` needs [`Triangles`].
+/// Lists the methods that need no more than a G-buffer: the name of each, as in [`ReflectionsInfo::method`], and a line
+/// that describes it. `captures` needs [`CaptureCubes`], too, and `traced` needs [`Triangles`].
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures || m.takes_triangles).map(|m| (m.name, m.summary))
 }
 
-/// Finds a method by its name. A method that needs the scene is found, too, and is refused when its reflections are made.
+/// Finds a method by its name. A method that needs the scene is found, too: [`Reflections::new`] refuses it.
 ///
 /// # Errors
 /// [`Error::Usage`] for a name that no method has, with the names of [`methods`].

@@ -1,5 +1,4 @@
-//! The error of the library. Every variant names the call, the image or the pass that failed, so that its text is the whole sentence
-//! that a user reads.
+//! The error of the library. A user reads its text alone, so that each names the call, image or pass that failed.
 
 /// What can go wrong. The text of each variant is one sentence that says what and where.
 #[derive(Debug, thiserror::Error)]
@@ -8,7 +7,7 @@ pub enum Error {
     #[error("{0}")]
     Usage(String),
 
-    /// A file is wrong, or cannot be read or written. The methods of this package read none; methods that are added may.
+    /// A file is wrong, or cannot be read or written. Only methods that are added read or write files.
     #[error(transparent)]
     File(ssct_ground::Error),
 

@@ -36,6 +36,7 @@ pub struct Failure {
     pub sentence: String,
 }
 
+/// The result of a step of a call; [`guard`] turns it into the code that the call returns.
 pub type Outcome<T> = Result<T, Failure>;
 
 impl Failure {
@@ -165,10 +166,10 @@ pub(crate) use sized_structs;
 pub unsafe fn copy_struct<T: SizedStruct>(argument: &str, pointer: *const T) -> Outcome<T> {
     // SAFETY: `stated_size` asks the same of the pointer as this function.
     let size = unsafe { stated_size(argument, pointer) }?;
-    let known = size_of::<T>();
+    let known_size = size_of::<T>();
     // SAFETY: by the contract above, the caller's struct has `size` bytes, and `stated_size` checked that this is
-    // `known` or more.
-    let unknown_bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>().add(known), size - known) };
+    // `known_size` or more.
+    let unknown_bytes = unsafe { std::slice::from_raw_parts(pointer.cast::<u8>().add(known_size), size - known_size) };
     if unknown_bytes.iter().any(|byte| *byte != 0) {
         let name = T::NAME;
         return Err(Failure::usage(format!(
@@ -176,7 +177,7 @@ pub unsafe fn copy_struct<T: SizedStruct>(argument: &str, pointer: *const T) -> 
             env!("CARGO_PKG_VERSION")
         )));
     }
-    // SAFETY: the caller's struct has at least the `known` bytes, and any bytes are a value of `T`.
+    // SAFETY: the caller's struct has at least `known_size` bytes, and any bytes are a value of `T`.
     Ok(unsafe { pointer.read_unaligned() })
 }
 
@@ -191,11 +192,12 @@ pub unsafe fn stated_size<T: SizedStruct>(argument: &str, pointer: *const T) -> 
     }
     // SAFETY: by the contract, the size comes first.
     let size = unsafe { pointer.cast::<usize>().read_unaligned() };
-    let (name, known) = (T::NAME, size_of::<T>());
+    let (name, known_size) = (T::NAME, size_of::<T>());
     // No struct is longer than 4096 bytes, so that a caller who states a greater size never set the field.
-    if !(known..=4096).contains(&size) {
+    if !(known_size..=4096).contains(&size) {
         return Err(Failure::usage(format!(
-            "the struct_size of the {name} of the argument {argument} is {size}; it must be sizeof({name}), which is {known}"
+            "the struct_size of the {name} of the argument {argument} is {size}; \
+             it must be sizeof({name}), which is {known_size}"
         )));
     }
     Ok(size)
@@ -342,6 +344,7 @@ mod tests {
             let sentence_for = |size| copy_struct("a", &Known { struct_size: size, ..known }).err().unwrap().sentence;
             assert!(sentence_for(0).contains("Known of the argument a is 0; it must be sizeof(Known), which is 16"));
             assert!(sentence_for(8).contains("is 8") && sentence_for(usize::MAX).contains("sizeof"));
+            // A struct of a later header, whose field `more` this library does not know.
             let copy_later = |more| {
                 let later = Later { known: Known { struct_size: size_of::<Later>(), ..known }, more };
                 copy_struct("a", (&raw const later).cast::<Known>())

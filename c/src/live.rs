@@ -34,12 +34,12 @@ pub fn add<T: 'static>(object: *const T) {
 /// # Errors
 /// [`Failure::usage`] for an object that is not in the table, or that a call uses.
 pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
-    let mut all = objects();
-    let known = find_object("object", object, &mut all)?;
+    let mut table = objects();
+    let known = find_object("object", object, &mut table)?;
     if known.readers > 0 || known.is_written {
         return Err(in_use("object"));
     }
-    all.remove(&(object as usize));
+    table.remove(&(object as usize));
     Ok(())
 }
 
@@ -48,12 +48,12 @@ pub fn remove<T: 'static>(object: *const T) -> Outcome<()> {
 fn find_object<'o, T: 'static>(
     argument: &str,
     object: *const T,
-    all: &'o mut BTreeMap<usize, Object>,
+    table: &'o mut BTreeMap<usize, Object>,
 ) -> Outcome<&'o mut Object> {
     if object.is_null() {
         return Err(Failure::usage(format!("the argument {argument} is NULL")));
     }
-    all.get_mut(&(object as usize)).filter(|known| known.kind == TypeId::of::<T>()).ok_or_else(|| {
+    table.get_mut(&(object as usize)).filter(|known| known.kind == TypeId::of::<T>()).ok_or_else(|| {
         let name = type_name::<T>().rsplit("::").next().unwrap_or_default();
         Failure::usage(format!("the argument {argument} is no {name}: it was destroyed, or never made"))
     })
@@ -76,8 +76,8 @@ pub struct Written<'a, T>(&'a mut T);
 /// # Safety
 /// If the table has an object of this type at the address, the object is freed only after [`remove`].
 pub unsafe fn read<'a, T: 'static>(argument: &str, object: *const T) -> Outcome<Read<'a, T>> {
-    let mut all = objects();
-    let known = find_object(argument, object, &mut all)?;
+    let mut table = objects();
+    let known = find_object(argument, object, &mut table)?;
     if known.is_written {
         return Err(in_use(argument));
     }
@@ -100,8 +100,8 @@ pub unsafe fn read_optional<'a, T: 'static>(argument: &str, object: *const T) ->
 /// # Safety
 /// The contract is that of [`read`].
 pub unsafe fn write<'a, T: 'static>(argument: &str, object: *mut T) -> Outcome<Written<'a, T>> {
-    let mut all = objects();
-    let known = find_object(argument, object, &mut all)?;
+    let mut table = objects();
+    let known = find_object(argument, object, &mut table)?;
     if known.is_written || known.readers > 0 {
         return Err(in_use(argument));
     }
@@ -155,18 +155,18 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
-    fn an_object_is_used_as_long_as_it_is_there_and_by_one_writer() {
+    fn an_object_has_many_readers_or_one_writer_until_it_is_removed() {
         let object = Box::into_raw(Box::new(7_u64));
         let sentence = |outcome: Outcome<()>| outcome.err().unwrap().sentence;
-        // SAFETY: the object is noted, and freed after it was removed.
+        // SAFETY: the object is in the table while it is used, and freed after it was removed.
         unsafe {
             assert!(sentence(read("a", object).map(|_| ())).contains("is no u64: it was destroyed, or never made"));
             add(object);
-            let both = (read("a", object).ok().unwrap(), read("a", object).ok().unwrap());
-            assert_eq!((*both.0, *both.1), (7, 7));
+            let (reader, second_reader) = (read("a", object).ok().unwrap(), read("a", object).ok().unwrap());
+            assert_eq!((*reader, *second_reader), (7, 7));
             assert!(sentence(write("a", object).map(|_| ())).contains("used by another call"));
             assert!(sentence(remove(object)).contains("used by another call"));
-            drop(both);
+            drop((reader, second_reader));
             *write("a", object).ok().unwrap() += 1;
             assert_eq!(*read("a", object).ok().unwrap(), 8);
             assert!(sentence(read("a", object.cast::<i64>()).map(|_| ())).contains("is no i64"));
@@ -182,7 +182,7 @@ mod tests {
         let object = Box::into_raw(Box::new(0_u64));
         add(object);
         let address = object as usize;
-        let done = AtomicUsize::new(0);
+        let taken_turns = AtomicUsize::new(0);
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| {
@@ -190,7 +190,7 @@ mod tests {
                         // SAFETY: the object lives until all threads are done.
                         if let Ok(mut value) = unsafe { write("a", address as *mut u64) } {
                             *value += 1;
-                            done.fetch_add(1, Ordering::Relaxed);
+                            taken_turns.fetch_add(1, Ordering::Relaxed);
                         }
                     }
                 });
@@ -199,7 +199,7 @@ mod tests {
         remove(object).ok().unwrap();
         // SAFETY: no thread uses it any more.
         let value = unsafe { *Box::from_raw(object) };
-        assert_eq!(value, done.load(Ordering::Relaxed) as u64, "none was lost");
+        assert_eq!(value, taken_turns.load(Ordering::Relaxed) as u64, "a change was lost");
         assert!(value > 0);
     }
 }

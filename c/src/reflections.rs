@@ -230,12 +230,13 @@ pub unsafe extern "C" fn ssct_reflections_create(
         // SAFETY: the header asks for such pointers.
         unsafe {
             let (context, info) = (live::read("context", context)?, copy_struct("info", info)?);
+            // While the lock lives, no other call changes or destroys the triangles.
             let _lock = live::read_optional("info.triangles", info.triangles)?;
             let method = if info.method.is_null() { "unified" } else { read_text("info.method", info.method)? };
-            let to_pair =
+            let to_name_and_value =
                 |p: &SsctParameter| Ok((read_text("parameter.name", p.name)?, read_text("parameter.value", p.value)?));
             let parameters = to_slice("info.parameters", info.parameters, info.parameter_count)?;
-            let parameters: Vec<_> = parameters.iter().map(to_pair).collect::<Outcome<_>>()?;
+            let parameters: Vec<_> = parameters.iter().map(to_name_and_value).collect::<Outcome<_>>()?;
             create_reflections(&context, &info, method, (&parameters, usable_triangles(info.triangles)?))
         }
     };
@@ -244,7 +245,7 @@ pub unsafe extern "C" fn ssct_reflections_create(
 }
 
 /// Makes reflections from the caller's description `info`. Its pointers were already read into `method`, `parameters`
-/// and `triangles`.
+/// (names and values) and `triangles`.
 fn create_reflections(
     context: &SsctContext,
     info: &SsctReflectionsInfo,
@@ -337,10 +338,11 @@ pub unsafe extern "C" fn ssct_reflections_record(
         let (mut object, _locks, input, struct_size) = unsafe {
             let frame = copy_struct("frame", frame)?;
             let object = live::write("reflections", reflections)?;
-            let captures = live::read_optional("frame.captures", frame.captures)?;
-            let locks = (captures, live::read_optional("frame.triangles", frame.triangles)?);
-            let size = if recorded.is_null() { None } else { Some(stated_size("recorded", recorded)?) };
-            (object, locks, to_frame_input(&frame)?, size)
+            // While the locks live, no other call changes or destroys the captures and triangles of the frame.
+            let captures_lock = live::read_optional("frame.captures", frame.captures)?;
+            let locks = (captures_lock, live::read_optional("frame.triangles", frame.triangles)?);
+            let struct_size = if recorded.is_null() { None } else { Some(stated_size("recorded", recorded)?) };
+            (object, locks, to_frame_input(&frame)?, struct_size)
         };
         if commands == VkCommandBuffer::null() {
             return Err(Failure::usage("the argument commands is a null handle"));

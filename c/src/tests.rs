@@ -129,15 +129,17 @@ impl Inputs {
 }
 
 #[test]
-fn structs_of_another_type_are_refused() {
+fn a_struct_of_features_with_the_type_of_another_is_refused() {
     let (mut features, mut features12) = (Default::default(), vk::PhysicalDeviceVulkan12Features::default());
     let s_type = features12.s_type;
     let mut features13 = vk::PhysicalDeviceVulkan13Features { s_type, ..Default::default() };
-    // SAFETY: each pointer is to a live struct of the type that the function takes; only the `sType` of the third is wrong.
+    // SAFETY: each pointer is to a live struct of the type that the function takes; only the third `sType` is wrong.
     let result = unsafe { ssct_enable_features(&mut features, &mut features12, &mut features13) };
     assert_refused(result, "features13 is 51; it must be VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3");
 }
 
+/// A frame with captures and a sky is recorded, and its passes and times are returned, after the context is destroyed.
+/// Until each face was handed over, and with inputs of another size than the reflections', recording is refused.
 #[test]
 fn captures_a_sky_and_times_come_through() {
     let mut program = Program::new();
@@ -256,9 +258,9 @@ fn memory_comes_from_the_callers_allocator_and_goes_back() {
     let mut inputs = Inputs::new(&mut program, SIDE);
     let kinds = unsafe { program.instance.get_physical_device_memory_properties(program.physical) };
     let mut objects = Objects { device: program.device.clone(), kinds, alive: 0, gives: true };
-    let objects_at: *mut Objects = &mut objects;
+    let state: *mut Objects = &mut objects;
     let memory = SsctMemory {
-        user_data: objects_at.cast(),
+        user_data: state.cast(),
         allocate: Some(allocate),
         release: Some(release),
         ..sized(size_of::<SsctMemory>())
@@ -271,15 +273,15 @@ fn memory_comes_from_the_callers_allocator_and_goes_back() {
         let info = SsctContextInfo { memory: &memory, ..program.info() };
         assert_ok(ssct_context_create(&info, &mut context));
         let reflections = make_reflections(context, &view(SIDE));
-        assert!((*objects_at).alive > 4 && ssct_context_allocated_bytes(context) == 0);
+        assert!((*state).alive > 4 && ssct_context_allocated_bytes(context) == 0);
         let frame = inputs.frame();
         assert_ok(program.submit(|_, commands| ssct_reflections_record(reflections, commands, &frame, null_mut())));
-        (*objects_at).gives = false;
+        (*state).gives = false;
         assert_failed(create(context, &view(SIDE)), SsctResult::Memory, "nothing is left");
         ssct_reflections_destroy(reflections);
         ssct_context_trim(context);
         ssct_context_destroy(context);
-        assert_eq!((*objects_at).alive, 0);
+        assert_eq!((*state).alive, 0);
     }
 }
 
@@ -314,7 +316,7 @@ fn rays_that_leave_the_screen_end_on_triangles() {
         assert_refused(create_triangles(&wall(&[0, 1, 4]), &mut triangles), "the index 4, and 4 vertices");
         assert_ok(create_triangles(&wall(&[0, 1, 2, 2, 3, 0]), &mut triangles));
 
-        // The expected composites in half floats: the mirror's own colour plus half of the wall's; and the mirror's own.
+        // The expected composites in half floats: the mirror's colour plus half of the wall's, and the mirror's alone.
         let [with_wall, without_wall]: [[u16; 3]; 2] = [[0x3900, 0x3800, 0x3900], [0x3800, 0x3400, 0x3000]];
         let outputs = ssct_image_use(SSCT_USE_TRANSFER_SOURCE);
         let record_and_read = |reflections, frame: &SsctFrame| {
@@ -394,19 +396,19 @@ fn rays_that_leave_the_screen_end_on_triangles() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn wrong_arguments_are_refused_with_a_sentence_that_names_them() {
     let mut program = Program::new();
     let mut inputs = Inputs::new(&mut program, SIDE);
     let context = program.context();
     unsafe {
-        let mut other = null_mut();
-        assert_refused(ssct_context_create(null(), &mut other), "info is NULL");
+        let mut refused = null_mut();
+        assert_refused(ssct_context_create(null(), &mut refused), "info is NULL");
         assert_refused(ssct_context_create(&program.info(), null_mut()), "context is NULL");
         let info = SsctContextInfo { device: vk::Device::null(), ..program.info() };
-        assert_refused(ssct_context_create(&info, &mut other), "device of SsctContextInfo is a null handle");
-        let none = vk::PhysicalDeviceFeatures::default();
-        let info = SsctContextInfo { features: &none, ..program.info() };
-        assert_failed(ssct_context_create(&info, &mut other), SsctResult::NoDevice, "imageCubeArray");
+        assert_refused(ssct_context_create(&info, &mut refused), "device of SsctContextInfo is a null handle");
+        let no_features = vk::PhysicalDeviceFeatures::default();
+        let info = SsctContextInfo { features: &no_features, ..program.info() };
+        assert_failed(ssct_context_create(&info, &mut refused), SsctResult::NoDevice, "imageCubeArray");
         assert_refused(create(null(), &view(SIDE)), "context is NULL");
         assert_refused(create(context, &SsctReflectionsInfo { struct_size: 0, ..view(SIDE) }), "struct_size");
         assert_refused(create(context, &SsctReflectionsInfo { method: c"none".as_ptr(), ..view(SIDE) }), "no method");
@@ -419,27 +421,27 @@ fn what_is_wrong_is_said() {
         assert_refused(create(context, &SsctReflectionsInfo { parameters: null(), ..wrong }), "its count is 1");
 
         let reflections = make_reflections(context, &view(SIDE));
-        let good = inputs.frame();
+        let valid = inputs.frame();
         let commands = program.commands;
         let record = |frame: &SsctFrame| ssct_reflections_record(reflections, commands, frame, null_mut());
-        assert_refused(record(&SsctFrame { camera: null(), ..good }), "camera is NULL");
-        let camera = SsctCamera { clip_y: 9, ..*good.camera };
-        assert_refused(record(&SsctFrame { camera: &camera, ..good }), "none of SSCT_CLIP_Y_*");
-        let normals = SsctNormals { space: 5, ..*good.normals };
-        assert_refused(record(&SsctFrame { normals: &normals, ..good }), "none of SSCT_NORMAL_SPACE_*");
-        assert_refused(record(&SsctFrame { reflectors: 17, ..good }), "SSCT_REFLECTORS_NONE alone");
-        assert_refused(record(&SsctFrame { slot: 2, ..good }), "frames_in_flight is 2");
-        let unsampled = SsctImage { usage: vk::ImageUsageFlags::STORAGE, ..*good.color };
-        assert_refused(record(&SsctFrame { color: &unsampled, ..good }), "SAMPLED");
-        let motion = SsctMotion { image: good.color, scale: [1.0, 0.0], ..sized(size_of::<SsctMotion>()) };
-        assert_refused(record(&SsctFrame { motion: &motion, ..good }), "the input motion has");
+        assert_refused(record(&SsctFrame { camera: null(), ..valid }), "camera is NULL");
+        let camera = SsctCamera { clip_y: 9, ..*valid.camera };
+        assert_refused(record(&SsctFrame { camera: &camera, ..valid }), "none of SSCT_CLIP_Y_*");
+        let normals = SsctNormals { space: 5, ..*valid.normals };
+        assert_refused(record(&SsctFrame { normals: &normals, ..valid }), "none of SSCT_NORMAL_SPACE_*");
+        assert_refused(record(&SsctFrame { reflectors: 17, ..valid }), "SSCT_REFLECTORS_NONE alone");
+        assert_refused(record(&SsctFrame { slot: 2, ..valid }), "frames_in_flight is 2");
+        let unsampled = SsctImage { usage: vk::ImageUsageFlags::STORAGE, ..*valid.color };
+        assert_refused(record(&SsctFrame { color: &unsampled, ..valid }), "SAMPLED");
+        let motion = SsctMotion { image: valid.color, scale: [1.0, 0.0], ..sized(size_of::<SsctMotion>()) };
+        assert_refused(record(&SsctFrame { motion: &motion, ..valid }), "the input motion has");
         let motion = SsctMotion { image: null(), ..motion };
-        assert_refused(record(&SsctFrame { motion: &motion, ..good }), "frame.motion.image is NULL");
+        assert_refused(record(&SsctFrame { motion: &motion, ..valid }), "frame.motion.image is NULL");
         let mut short = sized::<SsctRecorded>(8);
-        let result = ssct_reflections_record(reflections, commands, &good, &mut short);
+        let result = ssct_reflections_record(reflections, commands, &valid, &mut short);
         assert_refused(result, "struct_size of the SsctRecorded of the argument recorded is 8");
-        assert_refused(ssct_reflections_record(null_mut(), commands, &good, null_mut()), "reflections is NULL");
-        let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &good, null_mut());
+        assert_refused(ssct_reflections_record(null_mut(), commands, &valid, null_mut()), "reflections is NULL");
+        let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &valid, null_mut());
         assert_refused(result, "commands is a null handle");
         assert_eq!(ssct_image_use(99).stages, 0);
         assert!(last_sentence().contains("kind is 99"), "{}", last_sentence());

@@ -12,14 +12,14 @@ fn the_header_is_what_the_sources_say() {
     // From the file and its modules: given the crate, cbindgen has Cargo fetch the dependencies of every platform.
     let source = root.join("src/lib.rs");
     let bindings = cbindgen::Builder::new().with_src(source).with_config(config).generate().unwrap();
-    let mut made = Vec::new();
-    bindings.write(&mut made);
-    let made = String::from_utf8(made).unwrap();
+    let mut bytes = Vec::new();
+    bindings.write(&mut bytes);
+    let generated = String::from_utf8(bytes).unwrap();
     let file = root.join("include/ssct.h");
     if std::env::var_os("SSCT_WRITE_DOCS").is_some() {
-        std::fs::write(&file, made).unwrap();
+        std::fs::write(&file, generated).unwrap();
         return;
     }
-    let kept = std::fs::read_to_string(&file).unwrap_or_default();
-    assert!(kept == made, "{} is stale: `make docs` writes it anew", file.display());
+    let stored = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(stored == generated, "{} is stale: `make docs` writes it anew", file.display());
 }

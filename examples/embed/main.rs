@@ -17,14 +17,14 @@ use vulkan::{DEPTH, HALF, Picture, Renderer, SIZE};
 /// the projection negates y.
 fn camera() -> ([f32; 16], [f32; 16]) {
     let (near, far, aspect) = (0.1_f32, 200.0_f32, SIZE[0] as f32 / SIZE[1] as f32);
-    let f = 1.0 / (0.5 * 55_f32.to_radians()).tan();
+    let scale = 1.0 / (0.5 * 55_f32.to_radians()).tan();
     let (a, b) = (near / (far - near), near * far / (far - near));
-    let view_to_clip = [f / aspect, 0., 0., 0., 0., -f, 0., 0., 0., 0., a, -1., 0., 0., b, 0.];
+    let view_to_clip = [scale / aspect, 0., 0., 0., 0., -scale, 0., 0., 0., 0., a, -1., 0., 0., b, 0.];
     // Two metres above the floor, looking down a little.
     let (sin, cos) = 0.18_f32.sin_cos();
-    let (y, z) = (2.0_f32, 6.0_f32);
-    let world_to_view =
-        [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., -(cos * y) + sin * z, -(sin * y) - cos * z, 1.];
+    let (eye_y, eye_z) = (2.0_f32, 6.0_f32);
+    let (offset_y, offset_z) = (-(cos * eye_y) + sin * eye_z, -(sin * eye_y) - cos * eye_z);
+    let world_to_view = [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., offset_y, offset_z, 1.];
     (view_to_clip, world_to_view)
 }
 
@@ -36,6 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let images = [picture(HALF)?, picture(HALF)?, picture(HALF)?];
     let depth = picture(DEPTH)?;
     let pass = renderer.pass(&images, &depth)?;
+    let [normal, material, color] = &images;
     let (view_to_clip, world_to_view) = camera();
 
     // ---- reflections ----
@@ -58,14 +59,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Down },
         depth: ssct::ImageInput::depth(depth.image, depth.view, DEPTH, SIZE).used(drawn, copied),
         normal: ssct::NormalInput {
-            image: image_input(&images[0]),
+            image: image_input(normal),
             space: ssct::NormalSpace::View,
             encoding: ssct::NormalEncoding::Float,
         },
-        reflectivity: ssct::FactorInput::Channel(image_input(&images[1]), 0),
-        roughness: ssct::FactorInput::Channel(image_input(&images[1]), 1),
+        reflectivity: ssct::FactorInput::Channel(image_input(material), 0),
+        roughness: ssct::FactorInput::Channel(image_input(material), 1),
         reflectors: ssct::Reflectors::UNKNOWN,
-        color: image_input(&images[2]),
+        color: image_input(color),
         sky: None,
         captures: None,
         triangles: None,
@@ -79,15 +80,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     // ---------------------
 
     let composite = recorded.composite.ok_or("the composite is on by default")?.image;
-    let [normal, material, color] = images.each_ref().map(|p| p.image);
-    let halves = [("composite", composite), ("normal", normal), ("material", material), ("color", color)];
-    let mut wanted: Vec<_> = halves.into_iter().map(|(name, image)| (name, image, HALF)).collect();
-    wanted.push(("depth", depth.image, DEPTH));
-    let read = renderer.submit_and_read(commands, &wanted)?;
-    vulkan::write_png(output, &read[0])?;
+    let images_to_read = [
+        ("composite", composite, HALF),
+        ("normal", normal.image, HALF),
+        ("material", material.image, HALF),
+        ("color", color.image, HALF),
+        ("depth", depth.image, DEPTH),
+    ];
+    let values_of_images = renderer.submit_and_read(commands, &images_to_read)?;
+    vulkan::write_png(output, &values_of_images[0])?;
     if let Some(folder) = arguments.get(1) {
         std::fs::create_dir_all(folder)?;
-        for ((name, ..), values) in wanted.iter().zip(&read) {
+        for ((name, ..), values) in images_to_read.iter().zip(&values_of_images) {
             let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
             std::fs::write(format!("{folder}/{name}.f32"), bytes)?;
         }

@@ -201,8 +201,8 @@ impl Renderer {
                 .color_blend_state(&blends)
                 .layout(layout)
                 .render_pass(pass);
-            let made = self.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
-            let pipeline = made.map_err(|(_, e)| e)?[0];
+            let pipelines = self.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
+            let pipeline = pipelines.map_err(|(_, e)| e)?[0];
             [vertex, fragment].into_iter().for_each(|module| self.device.destroy_shader_module(module, None));
             Ok(Pass { pass, framebuffer, layout, pipeline })
         }
@@ -269,18 +269,18 @@ impl Renderer {
             let submits = [vk::SubmitInfo::default().command_buffers(&submitted)];
             self.device.queue_submit(self.queue, &submits, vk::Fence::null())?;
             self.device.queue_wait_idle(self.queue)?;
-            let mut read = Vec::new();
+            let mut values_of_images = Vec::new();
             for ((_, _, format), (buffer, allocation)) in images.iter().zip(buffers) {
                 let bytes = allocation.mapped_slice().ok_or("not mapped")?;
                 let half = |b: &[u8; 2]| half::f16::from_ne_bytes(*b).to_f32();
-                read.push(match *format {
+                values_of_images.push(match *format {
                     DEPTH => bytes.as_chunks().0[..texels].iter().map(|b| f32::from_ne_bytes(*b)).collect(),
                     _ => bytes.as_chunks().0[..4 * texels].iter().map(half).collect(),
                 });
                 self.device.destroy_buffer(buffer, None);
                 self.allocator.as_mut().ok_or("destroyed")?.free(allocation)?;
             }
-            Ok(read)
+            Ok(values_of_images)
         }
     }
 

@@ -15,8 +15,8 @@ use ssct_ground::scene::projection::ReadProjection;
 pub struct CameraInput {
     /// World to view space: a rotation and a translation.
     pub world_to_view: [f32; 16],
-    /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn with. An
-    /// orthographic projection has its near plane at the eye or in front of the eye.
+    /// View to clip space: a perspective or an orthographic projection, with the jitter that the images were drawn
+    /// with. An orthographic projection has its near plane at the eye or in front of the eye.
     pub view_to_clip: [f32; 16],
     /// The place of the image's top in clip space.
     pub clip_y: ClipY,
@@ -35,8 +35,7 @@ pub(super) struct ConvertedCamera {
 const INFINITE_FAR: f32 = 1e7;
 
 impl CameraInput {
-    /// Reads the conventions off the matrices, and converts the camera. The error names the matrix that cannot be a
-    /// camera's, and says why.
+    /// Reads the conventions off the matrices, and converts the camera. An error names the matrix that is no camera's.
     pub(super) fn converted(&self) -> Result<ConvertedCamera> {
         let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
         if !self.world_to_view.iter().all(|v| v.is_finite()) {
@@ -67,54 +66,48 @@ mod tests {
     use super::*;
     use glam::{Vec3, Vec4Swizzles};
 
-    /// Conventions of engines: a name, a projection matrix, the place of the top, and the sign of z along the sight.
+    /// Conventions of engines: name, projection, place of the image's top, and sign of view-space z before the eye.
     fn conventions() -> Vec<(&'static str, Mat4, ClipY, f32)> {
         let perspectives = perspectives().into_iter().map(|(name, clip, y)| (name, clip, y, clip.z_axis.w));
         perspectives.chain(parallels()).collect()
     }
 
-    /// Orthographic projections with the near plane at 0.25 m or at the eye; `matrix` makes the depth a + b z.
+    /// Orthographic projections with the near plane at 0.25 m or at the eye. `matrix` takes the factor of y, the shift
+    /// of the image, and numbers that make the depth a + b z, where z is `forward` times view-space z.
     fn parallels() -> Vec<(&'static str, Mat4, ClipY, f32)> {
         let (fx, fy, near, far) = (0.2_f32, 0.3_f32, 0.25_f32, 80.0_f32);
-        let matrix = |y: f32, shift_x: f32, shift_y: f32, a: f32, b: f32| {
-            Mat4::from_cols_array(&[fx, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, b, 0.0, shift_x, shift_y, a, 1.0])
+        let matrix = |y: f32, [u, v]: [f32; 2], (a, b): (f32, f32), forward: f32| {
+            Mat4::from_cols_array(&[fx, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, forward * b, 0.0, u, v, a, 1.0])
         };
         let reversed = |near: f32| (far / (far - near), -1.0 / (far - near));
         let standard = |near: f32| (-near / (far - near), 1.0 / (far - near));
-        let ((a, b), (c, d)) = (reversed(near), standard(near));
+        let (centred, shifted) = ([0.0; 2], [0.2, -0.3]);
         vec![
-            ("parallel, left-handed, reversed", matrix(fy, 0.0, 0.0, a, b), ClipY::Up, 1.0),
-            ("parallel, right-handed, reversed", matrix(fy, 0.0, 0.0, a, -b), ClipY::Up, -1.0),
-            ("parallel, left-handed, standard, y down", matrix(-fy, 0.2, -0.3, c, d), ClipY::Down, 1.0),
-            ("parallel, right-handed, standard, off axis", matrix(fy, 0.2, -0.3, c, -d), ClipY::Up, -1.0),
-            (
-                "parallel, near plane at the eye",
-                matrix(fy, 0.0, 0.1, standard(0.0).0, -standard(0.0).1),
-                ClipY::Up,
-                -1.0,
-            ),
-            ("parallel, near plane at the eye, reversed", matrix(fy, 0.0, 0.1, 1.0, -1.0 / far), ClipY::Down, 1.0),
+            ("parallel, left-handed, reversed", matrix(fy, centred, reversed(near), 1.0), ClipY::Up, 1.0),
+            ("parallel, right-handed, reversed", matrix(fy, centred, reversed(near), -1.0), ClipY::Up, -1.0),
+            ("parallel, left-handed, standard, y down", matrix(-fy, shifted, standard(near), 1.0), ClipY::Down, 1.0),
+            ("parallel, right-handed, standard, off axis", matrix(fy, shifted, standard(near), -1.0), ClipY::Up, -1.0),
+            ("parallel, near plane at the eye", matrix(fy, [0.0, 0.1], standard(0.0), -1.0), ClipY::Up, -1.0),
+            ("parallel, near plane at the eye, reversed", matrix(fy, [0.0, 0.1], reversed(0.0), 1.0), ClipY::Down, 1.0),
         ]
     }
 
+    /// Perspective projections with the near plane at 0.25 m. `matrix` takes the factor of y, the shift of the image,
+    /// and numbers that make the depth a + b / z, where z is `forward` times view-space z.
     fn perspectives() -> Vec<(&'static str, Mat4, ClipY)> {
         let (fx, fy, near, far) = (1.2_f32, 1.9_f32, 0.25_f32, 80.0_f32);
-        let matrix = |x: f32, y: f32, u: f32, v: f32, a: f32, b: f32, s: f32| {
-            Mat4::from_cols_array(&[x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, u, v, a, s, 0.0, 0.0, b, 0.0])
+        let matrix = |y: f32, [u, v]: [f32; 2], (a, b): (f32, f32), forward: f32| {
+            Mat4::from_cols_array(&[fx, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, u, v, forward * a, forward, 0.0, 0.0, b, 0.0])
         };
         let standard = (far / (far - near), -near * far / (far - near));
         let reversed = (-near / (far - near), near * far / (far - near));
         vec![
-            ("left-handed, y up, reversed", matrix(fx, fy, 0.0, 0.0, reversed.0, reversed.1, 1.0), ClipY::Up),
-            ("left-handed, y up, standard", matrix(fx, fy, 0.0, 0.0, standard.0, standard.1, 1.0), ClipY::Up),
-            (
-                "right-handed, flipped y, standard",
-                matrix(fx, -fy, 0.0, 0.0, -standard.0, standard.1, -1.0),
-                ClipY::Down,
-            ),
-            ("right-handed, y up, infinite reversed", matrix(fx, fy, 0.0, 0.0, 0.0, near, -1.0), ClipY::Up),
-            ("y down, z forward, infinite standard", matrix(fx, fy, 0.0, 0.0, 1.0, -near, 1.0), ClipY::Down),
-            ("right-handed, jittered", matrix(fx, fy, 0.01, -0.02, -reversed.0, reversed.1, -1.0), ClipY::Up),
+            ("left-handed, y up, reversed", matrix(fy, [0.0; 2], reversed, 1.0), ClipY::Up),
+            ("left-handed, y up, standard", matrix(fy, [0.0; 2], standard, 1.0), ClipY::Up),
+            ("right-handed, flipped y, standard", matrix(-fy, [0.0; 2], standard, -1.0), ClipY::Down),
+            ("right-handed, y up, infinite reversed", matrix(fy, [0.0; 2], (0.0, near), -1.0), ClipY::Up),
+            ("y down, z forward, infinite standard", matrix(fy, [0.0; 2], (1.0, -near), 1.0), ClipY::Down),
+            ("right-handed, jittered", matrix(fy, [0.01, -0.02], reversed, -1.0), ClipY::Up),
         ]
     }
 
@@ -126,13 +119,13 @@ mod tests {
                 CameraInput { world_to_view: world.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
             let ConvertedCamera { camera, to_reversed, .. } = input.converted().expect(name);
             assert_eq!(camera.kind().is_orthographic(), name.starts_with("parallel"), "{name}");
-            let planes = [camera.lens.near_m, 80.0 / camera.lens.far_m];
-            assert!((planes[0] - 0.25).abs() < 1e-5 || name.contains("at the eye") && planes[0] == 0.0, "{name}");
-            assert!((planes[1] - 1.0).abs() < 1e-3 || name.contains("infinite"), "{name}: {planes:?}");
+            let (near_m, far_m) = (camera.lens.near_m, camera.lens.far_m);
+            assert!((near_m - 0.25).abs() < 1e-5 || name.contains("at the eye") && near_m == 0.0, "{name}: {near_m}");
+            assert!((80.0 / far_m - 1.0).abs() < 1e-3 || name.contains("infinite"), "{name}: {far_m}");
             assert!(camera.view_to_clip_reversed().is_finite() && camera.view_to_clip().is_finite(), "{name}");
             for point in [Vec3::new(0.3, 0.2, 2.0), Vec3::new(-1.0, 0.7, 20.0), Vec3::new(0.0, -0.4, 0.6)] {
-                let view = point * Vec3::new(1.0, 1.0, forward);
-                let position = world.inverse().transform_point3(view).extend(1.0);
+                let in_view = point * Vec3::new(1.0, 1.0, forward);
+                let position = world.inverse().transform_point3(in_view).extend(1.0);
                 let theirs = clip * world * position;
                 let theirs = theirs.xyz() / theirs.w;
                 let ours = camera.view_to_clip_reversed() * camera.world_to_view * position;
@@ -151,6 +144,7 @@ mod tests {
         let good =
             CameraInput { world_to_view: Mat4::IDENTITY.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
         assert!(good.converted().is_ok());
+        // Each change spoils one number of a camera that is taken; the message must have the word.
         let refused = |change: fn(&mut CameraInput), word: &str| {
             let mut input = good;
             change(&mut input);

@@ -26,8 +26,8 @@ pub struct CaptureCubesInfo<'a> {
     pub view_to_clip: [f32; 16],
     /// The place of a face's top in clip space.
     pub clip_y: ClipY,
-    /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: its least and its greatest
-    /// corner. `None` if there is no such box.
+    /// A box in world space outside of which nothing stands, so that rays that leave it end in the sky: its least and
+    /// its greatest corner. `None` if there is no such box.
     pub bounds: Option<[[f32; 3]; 2]>,
     /// How many frames that renew faces may be under way at once.
     pub frames_in_flight: usize,
@@ -88,11 +88,8 @@ impl CaptureCubes {
         let camera = input.converted()?;
         let projection = camera.camera.view_to_clip_reversed();
         let is_quarter_turn = [projection.x_axis.x, projection.y_axis.y].iter().all(|scale| (scale - 1.0).abs() < 1e-5);
-        if camera.camera.kind().is_orthographic()
-            || !is_quarter_turn
-            || projection.z_axis.x != 0.0
-            || projection.z_axis.y != 0.0
-        {
+        let is_shifted = projection.z_axis.x != 0.0 || projection.z_axis.y != 0.0;
+        if camera.camera.kind().is_orthographic() || !is_quarter_turn || is_shifted {
             return Err(Error::Usage("the captures' view_to_clip is not that of a quarter turn".into()));
         }
         let (gpu, extent) = (&context.gpu, [info.side; 2]);
@@ -107,6 +104,7 @@ impl CaptureCubes {
     }
 
     /// Records the commands that copy a face into the captures. Submit them before the frames that are to see the face.
+    /// `slot` numbers the faces that are under way, as [`FrameInput::slot`](super::FrameInput::slot) does frames.
     ///
     /// # Errors
     /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.

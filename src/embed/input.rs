@@ -24,7 +24,7 @@ pub struct ImageInput {
     pub format: vk::Format,
     /// Width and height of the part in texels.
     pub extent: [u32; 2],
-    /// The usage that the image was made with. It must contain `SAMPLED`, or `STORAGE` for an image of triangle numbers.
+    /// The usage that the image was made with. It contains `SAMPLED`, or `STORAGE` for an image of triangle numbers.
     pub usage: vk::ImageUsageFlags,
     /// How the caller used the image last.
     pub before: ImageUse,
@@ -89,7 +89,8 @@ impl ImageInput {
         Ok(())
     }
 
-    /// Checks the handles, size, usage, layouts, levels and layers of any image; `extent` is `None` for a cube map.
+    /// Checks handles, size, usage, layouts, levels and layers of an image of any format. `extent` is `None` for a cube
+    /// map, and `usage` is the usage that the image must have been made with.
     fn check_any(
         &self,
         name: &str,
@@ -134,8 +135,8 @@ impl BorrowedImages {
     /// # Errors
     /// [`Error::Usage`] if an earlier input is the same image with another use.
     pub fn add(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<BorrowedIndex> {
-        let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
-        let Some(index) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
+        let viewed_part = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
+        let Some(index) = self.0.iter().position(|(known, _)| viewed_part(known) == viewed_part(input)) else {
             let format = (input.format, input.extent);
             self.0.push((*input, Image::borrowed(gpu, name, (input.image, input.view), input.part, format)));
             return Ok(BorrowedIndex(self.0.len() - 1));
@@ -165,6 +166,7 @@ impl BorrowedImages {
     }
 }
 
+/// Whether a format has depth, with or without stencil.
 fn is_depth_format(format: vk::Format) -> bool {
     use vk::Format as F;
     matches!(
@@ -202,11 +204,12 @@ pub struct NormalInput {
 }
 
 impl NormalInput {
+    /// Checks the image, and that its format can hold the signs of encodings that have them.
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("normal", Some(extent))?;
-        let is_signed = matches!(self.encoding, NormalEncoding::Float | NormalEncoding::Octahedral);
+        let has_signs = matches!(self.encoding, NormalEncoding::Float | NormalEncoding::Octahedral);
         let format = self.image.format;
-        if is_signed && !is_signed_format(format) {
+        if has_signs && !is_signed_format(format) {
             let encoding = self.encoding;
             return Err(Error::Usage(format!(
                 "the input normal is encoded as {encoding:?}, and its format {format:?} holds no number below 0"
@@ -230,8 +233,8 @@ impl NormalInput {
     }
 }
 
-/// The motion of each pixel: the way over the screen from where its surface is to where the surface was in the frame before. Along
-/// this way the history finds what a moving surface reflected, and moving things that are both reflected and seen on the screen.
+/// The motion of each pixel: the way over the screen from where its surface is to where the surface was in the frame
+/// before. Along it the history finds the reflections of moving surfaces, and of moving things that the screen shows.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionInput {
     /// The image of the motion: x in red and y in green.
@@ -246,10 +249,12 @@ pub struct MotionInput {
 }
 
 impl MotionInput {
+    /// Checks the image, that its format has two channels with signs, and the scale.
     pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
         self.image.check("motion", Some(extent))?;
         let (format, scale) = (self.image.format, self.scale);
-        if is_depth_format(format) || !format!("{format:?}").contains('G') {
+        let has_green = !is_depth_format(format) && format!("{format:?}").contains('G');
+        if !has_green {
             return Err(Error::Usage(format!("the input motion has the format {format:?}, which has no green for y")));
         }
         if !is_signed_format(format) {
@@ -288,7 +293,7 @@ impl FactorInput {
         }
     }
 
-    /// Returns the factor, after its image, if it has one, was added to the borrowed images.
+    /// Adds the image of the factor, if there is one, to the borrowed images, and returns the factor with its index.
     pub(super) fn borrow(&self, borrowed: &mut BorrowedImages, gpu: &Gpu, name: &str) -> Result<BorrowedFactor> {
         Ok(match self {
             // A constant is rounded as an image of half floats would round it.

@@ -41,8 +41,8 @@ pub struct MeshTexture<'a> {
     pub places: &'a [[f32; 2]],
 }
 
-/// A texture of the light that comes from meshes. Rays interpolate between four texels of the mip level whose texels are nearest in
-/// size to the ray's footprint. The crate makes the levels.
+/// A texture of the light that comes from meshes. Rays interpolate between four texels of the mip level whose texels
+/// are nearest in size to the ray's footprint. The crate makes the levels.
 #[derive(Debug, Clone, Copy)]
 pub struct HitTexture<'a> {
     /// Width and height in texels, 1 to [`Self::MAX_SIDE`].
@@ -67,8 +67,8 @@ pub struct Triangles {
 }
 
 impl Triangles {
-    /// Builds the tree over the triangles on the CPU, and makes the buffers; [`record_upload`](Self::record_upload) fills them. The
-    /// function needs the crate's feature `tree`.
+    /// Builds the tree over the triangles on the CPU, and makes the buffers; [`record_upload`](Self::record_upload)
+    /// fills them. The function needs the crate's feature `tree`.
     ///
     /// # Errors
     /// [`Error::Usage`] with the number of a mesh that is wrong, and why; [`Error::Memory`] without memory.
@@ -133,8 +133,9 @@ impl Triangles {
 
 #[cfg(feature = "tree")]
 impl TriangleMesh<'_> {
-    /// Checks the mesh, and converts it to world space, with its colour or texture as a material.
-    fn converted(&self, number: usize, textures: usize) -> Result<(Mesh, Material)> {
+    /// Checks the mesh, and converts it to world space, with its colour or texture as a material. `number` is the
+    /// mesh's place among all meshes, and becomes the number of its material.
+    fn converted(&self, number: usize, texture_count: usize) -> Result<(Mesh, Material)> {
         let wrong = |why: String| Err(Error::Usage(format!("triangle mesh {number} {why}")));
         let (vertices, indices) = (self.positions.len(), self.indices);
         if !indices.len().is_multiple_of(3) {
@@ -150,8 +151,8 @@ impl TriangleMesh<'_> {
             return wrong("has a place or a colour that is not finite, or a colour below 0".into());
         }
         if let Some(MeshTexture { number, places }) = self.texture {
-            if number >= textures {
-                return wrong(format!("has texture {number}, and there are {textures}"));
+            if number >= texture_count {
+                return wrong(format!("has texture {number}, and there are {texture_count}"));
             }
             if places.len() != vertices {
                 return wrong(format!("has {} places on its texture, and {vertices} vertices", places.len()));
@@ -160,11 +161,11 @@ impl TriangleMesh<'_> {
                 return wrong("has a place on its texture that is not finite".into());
             }
         }
-        let uv = |vertex: usize| self.texture.map_or([0.0; 2], |texture| texture.places[vertex]);
-        let vertex = |(number, place): (usize, &Vec3)| Vertex {
+        // Normals and tangents say nothing here: the light of a mesh does not depend on them.
+        let vertex = |(vertex_number, place): (usize, &Vec3)| Vertex {
             position: place.to_array(),
             normal: [0.0, 1.0, 0.0],
-            uv: uv(number),
+            uv: self.texture.map_or([0.0; 2], |texture| texture.places[vertex_number]),
             tangent: [1.0, 0.0, 0.0, 1.0],
         };
         let mesh = Mesh {

@@ -2,9 +2,9 @@
 //! §3.1.1). The method reflects a scene's area lights and nothing else, and nothing hides them: "direct lighting only".
 
 use super::needs::Need;
-use super::{Input, Method, MethodInfo, MethodOutput, SceneInput, Setup};
+use super::{Input, Method, MethodInfo, MethodOutput, MethodRequest, SceneInput};
 use crate::error::Result;
-use crate::gpu::{Frame, FrameContext, Gpu};
+use crate::gpu::{Frame, FrameContext};
 use crate::passes::area_light::AreaLightPass;
 
 /// The method's row in the table of methods.
@@ -14,19 +14,16 @@ pub const INFO: MethodInfo = MethodInfo {
         "area-light",
         "analytic area lights (direct highlights)",
         "Hermanns 2015, §3.1.1; Karis 2013",
-        |gpu, request| Ok(Box::new(AreaLightMethod::new(gpu, &request.setup)?)),
+        |gpu, MethodRequest { setup, .. }| {
+            Ok(Box::new(AreaLightMethod(AreaLightPass::new(gpu, setup.stage(), setup.extent)?)))
+        },
     )
 };
 
 struct AreaLightMethod(AreaLightPass);
 
-impl AreaLightMethod {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        Ok(Self(AreaLightPass::new(gpu, setup.stage(), setup.extent)?))
-    }
-}
-
 impl Method for AreaLightMethod {
+    /// Makes nothing, but refuses a scene with more area lights than the pass takes.
     fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         AreaLightPass::check(scene.data)
     }

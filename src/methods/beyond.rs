@@ -24,15 +24,15 @@ impl Fallback {
     }
 }
 
-/// How shaders read the triangles of the scene, and the table of their materials.
+/// How shaders read the triangles of the scene, and the table of their materials, `None` before the scene is prepared.
 pub(super) struct PreparedTriangles {
     pub(super) reading: TriangleReading,
     pub(super) table: Option<TriangleTable>,
 }
 
 impl PreparedTriangles {
-    /// Returns the buffers of a scene's triangles, where the meshes stand now. Fails if the triangles are not ready, and
-    /// for more lights or triangles than the effect was made for.
+    /// Returns the buffers of a scene's triangles, where the meshes stand now. Fails if the triangles are not ready,
+    /// and for more lights or triangles than the effect was made for.
     pub(super) fn buffers<'t>(&'t self, data: &'t SceneData) -> Result<TriangleBuffers<'t>> {
         let (lights, max_lights) = (data.light_count(), self.reading.lights);
         if lights > max_lights {
@@ -108,7 +108,7 @@ pub(super) fn captures_for(
     effect: &EffectParams,
     scene: Option<&SceneInput>,
 ) -> Result<(Vec<Capture>, f64)> {
-    // A method or a fallback that follows rays in captures alone gets captures even if the user asks for none.
+    // A method or a fallback that looks into captures alone gets as many as the scene needs if the user asks for none.
     let fallback_takes_captures = effect.fallback.method().is_some_and(|m| m.takes_captures);
     let method_takes_captures =
         info.takes_captures && (!info.is_screen_space() || effect.captures_wanted() != CaptureCount::None);

@@ -42,8 +42,8 @@ parameters! {
         billboard_blur: Blur = Parameter::new(Blur::None)
             .sweep(Preset::Published, &[Blur::Roughness, Blur::Distance])
             .source("Schmidt 2013, §6"),
-        /// A glow around billboards, as light sources have it: how bright it is beside an edge, as a share of the image's
-        /// colour there. With 0 there is none.
+        /// A glow around billboards, as light sources have it: how bright it is beside an edge, as a share of the
+        /// image's colour there. With 0 there is none.
         billboard_glow: f32 = Parameter::new(0.0).between(0.0, 4.0).source("Schmidt 2013, §6; no number there"),
         /// How far the glow reaches beyond the edges of a billboard.
         billboard_glow_width: f32 =
@@ -58,12 +58,14 @@ struct BillboardMethod {
 }
 
 impl Method for BillboardMethod {
+    /// Makes nothing, but refuses a scene with more impostors than the pass takes.
     fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         BillboardPass::check(scene.data, INFO.name)
     }
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
-        let data = input.scene()?.data;
+        // No images in place of those that the impostors have.
+        let (data, images) = (input.scene()?.data, None);
         let p = self.parameters;
         let drawing = Drawing {
             order: p.billboard_order,
@@ -72,6 +74,6 @@ impl Method for BillboardMethod {
             glow: (p.billboard_glow, p.billboard_glow_width),
             premultiplied: false,
         };
-        Ok(MethodOutput::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, drawing)?))
+        Ok(MethodOutput::new(self.pass.record(frame, &input.gbuffer, data, input.camera, images, drawing)?))
     }
 }

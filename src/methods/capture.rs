@@ -1,5 +1,5 @@
-//! Makes cube maps of the scene around a place or of the sky alone, filtered by roughness, and captures, in which rays are
-//! followed. No frame's time includes this, unless frames draw captures anew.
+//! Makes cube maps of the scene around a place or of the sky alone, filtered by roughness, and captures, in which rays
+//! are followed. No frame's time includes this, unless frames draw captures anew.
 
 use super::SceneInput;
 use crate::error::Result;
@@ -87,7 +87,7 @@ fn positions(captures: &[Capture]) -> Vec<Vec3> {
     captures.iter().map(|c| c.position).collect()
 }
 
-/// A camera with the projection of the faces of captures.
+/// Returns a camera with the projection of the faces of captures, which looks from the origin along +z (face 4).
 fn forward_camera(captures: &[Capture]) -> Camera {
     face_camera(Vec3::ZERO, 4, common_near_m(captures))
 }
@@ -97,7 +97,9 @@ pub struct CaptureImages {
     pyramid: Image,
     normal: Image,
     color: Image,
+    /// The places of the captures in the world, in metres.
     places: Vec<Cell<Vec3>>,
+    /// The parameters of `unified` for a face, and the metres in one view unit of a face ([`lost::view_unit_m()`]).
     face: UnifiedBlock,
     face_unit: f32,
     /// A box in the world, in metres, outside of which nothing stands: the scene's bounds when a face was last drawn.
@@ -114,14 +116,14 @@ impl CaptureImages {
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
     pub fn new(context: &mut FrameContext, scene: &SceneInput, captures: &[Capture]) -> Result<Self> {
         let passes = FacePasses::new(context.gpu(), captures)?;
-        let made = Self::empty(context.gpu(), captures)?;
-        made.draw(context, scene, &passes)?;
-        Ok(made)
+        let images = Self::undrawn(context.gpu(), captures)?;
+        images.draw(context, scene, &passes)?;
+        Ok(images)
     }
 
-    /// Returns captures that this effect neither renews nor moves. The scene keeps the images: the next effect that looks into
-    /// captures of these places gets the same ones. The second result is the cost of images that were drawn earlier, or 0 for
-    /// images that are drawn now.
+    /// Returns captures that this effect neither renews nor moves. The scene keeps the images, and hands them to the
+    /// next effect with captures of these places. The second result is the cost of images that were drawn earlier. It
+    /// is 0 for images that are drawn here, since the caller measures their cost with its own.
     pub(crate) fn shared(
         context: &mut FrameContext,
         scene: &SceneInput,
@@ -134,17 +136,17 @@ impl CaptureImages {
             let images = Self { is_shared: true, ..Self::of_images(places, &forward, [pyramid, normal, color]) };
             return Ok((images.with_bounds(scene.data.bounds()), cost));
         }
-        let (made, cost) = DrawingCost::measure(context, |context| Self::new(context, scene, captures))?;
-        let made = Self { is_shared: true, ..made };
+        let (drawn, cost) = DrawingCost::measure(context, |context| Self::new(context, scene, captures))?;
+        let images = Self { is_shared: true, ..drawn };
         scene.data.keep_captures(DrawnCaptures {
             captures: captures.to_vec(),
             materials,
-            pyramid: made.pyramid.clone(),
-            normal: made.normal.clone(),
-            color: made.color.clone(),
+            pyramid: images.pyramid.clone(),
+            normal: images.normal.clone(),
+            color: images.color.clone(),
             cost,
         });
-        Ok((made, DrawingCost::default()))
+        Ok((images, DrawingCost::default()))
     }
 
     /// Whether other effects may look into these images, so that they must not be drawn again.
@@ -152,12 +154,13 @@ impl CaptureImages {
         self.is_shared
     }
 
-    /// Makes the images without content, for captures that each frame moves and draws before it looks into them.
+    /// Makes the images without content, which must be drawn before use. All have the face size of the first capture.
     ///
     /// # Errors
     /// Errors of [`Self::new`].
     pub fn undrawn(gpu: &Gpu, captures: &[Capture]) -> Result<Self> {
-        Self::empty(gpu, captures)
+        let side = captures.first().map_or(1, |c| c.resolution);
+        Self::of_camera(gpu, positions(captures), side, &forward_camera(captures))
     }
 
     /// Moves a capture to another place. Its faces must be drawn there before rays are followed in it.
@@ -192,27 +195,18 @@ impl CaptureImages {
         mut face: impl FnMut(usize, usize) -> Result<GBufferData>,
     ) -> Result<Self> {
         let gpu: Gpu = context.gpu().clone();
-        let made = Self::empty(&gpu, captures)?;
-        let keep = FaceKeeper::new(&gpu, made.color.extent())?;
+        let images = Self::undrawn(&gpu, captures)?;
+        let keep = FaceKeeper::new(&gpu, images.extent())?;
         for number in 0..6 * captures.len() {
-            let images = GBufferImages::upload(context, &face(number / 6, number % 6)?)?;
-            context.once(|frame| made.take_face(frame, &keep, &images.gbuffer(), number as u32))?;
+            let uploaded = GBufferImages::upload(context, &face(number / 6, number % 6)?)?;
+            context.once(|frame| images.take_face(frame, &keep, &uploaded.gbuffer(), number as u32))?;
         }
-        made.make_ready(context)?;
-        Ok(made)
+        images.make_ready(context)?;
+        Ok(images)
     }
 
-    /// Makes the images for some captures, without content.
-    fn empty(gpu: &Gpu, captures: &[Capture]) -> Result<Self> {
-        Self::of_camera(
-            gpu,
-            positions(captures),
-            captures.first().map_or(1, |c| c.resolution),
-            &forward_camera(captures),
-        )
-    }
-
-    /// Makes the images for captures with faces of `side` texels a side and the projection of the camera `forward`.
+    /// Makes the images without content, for captures at `places`, in world metres, whose faces have `side` texels a
+    /// side and the projection of the camera `forward`.
     pub(crate) fn of_camera(gpu: &Gpu, places: Vec<Vec3>, side: u32, forward: &Camera) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = [side; 2];
@@ -254,8 +248,8 @@ impl CaptureImages {
     /// pyramid and the mip chain of its colour. No other face changes, since each face has a mip chain of its own.
     pub(crate) fn take_face(&self, frame: &mut Frame, keep: &FaceKeeper, face: &GBuffer, number: u32) -> Result<()> {
         let Self { pyramid, normal, color, .. } = self;
-        let blocks = keep.pyramid.record(frame, face, &self.face)?;
-        frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), number)?;
+        let face_pyramid = keep.pyramid.record(frame, face, &self.face)?;
+        frame.copy_to_layer("capture/keep pyramid", face_pyramid.0.level(0), pyramid.level(0), number)?;
         keep.normal.record(frame, face, normal, number)?;
         frame.copy_to_layer("capture/keep color", face.color.level(0), color.level(0), number)?;
         for level in 1..color.levels() {
@@ -319,6 +313,7 @@ struct FacePasses {
 }
 
 impl FacePasses {
+    /// Makes the passes for faces of the first capture's size, and for the nearest of the near planes.
     fn new(gpu: &Gpu, captures: &[Capture]) -> Result<Self> {
         let side = captures.first().map_or(1, |c| c.resolution);
         Ok(Self {
@@ -337,9 +332,8 @@ impl FacePasses {
     }
 }
 
-/// Draws captures anew: all faces of captures that move, and in each frame a few faces, in turn over all captures, so
-/// that captures show moving objects with a delay. The age of a face in frames is at most the number of all faces over
-/// that of faces a frame, rounded up.
+/// Draws captures anew: all faces of captures that move, and in each frame a few faces, in turn over all captures. The
+/// age of a face in frames is at most the number of all faces over that of faces a frame, rounded up.
 pub struct Renewal {
     passes: FacePasses,
     faces_per_frame: u32,
@@ -347,8 +341,7 @@ pub struct Renewal {
 }
 
 impl Renewal {
-    /// Makes the passes that draw the captures of [`CaptureImages::new`] anew, `faces_per_frame` faces in each frame,
-    /// and none twice in a frame.
+    /// Makes the passes that draw captures anew, `faces_per_frame` faces in each frame, and none twice in a frame.
     ///
     /// # Errors
     /// Errors of the device.
@@ -379,9 +372,9 @@ impl Renewal {
     /// # Errors
     /// Errors of the device.
     pub fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages) -> Result<()> {
-        let all = into.faces();
-        for _ in 0..self.faces_per_frame.min(all) {
-            let face = self.next_face.get() % all;
+        let face_count = into.faces();
+        for _ in 0..self.faces_per_frame.min(face_count) {
+            let face = self.next_face.get() % face_count;
             self.passes.record(frame, scene, into, face)?;
             self.next_face.set(face + 1);
         }
@@ -402,8 +395,7 @@ pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Ima
     Ok(map)
 }
 
-/// Returns the materials without the properties that a capture does not show. A captured map stays valid as long as
-/// this result stays the same.
+/// Returns the materials without what captures do not show. A captured map stays valid while this result is the same.
 pub fn captured_materials(materials: &[Material]) -> Vec<Material> {
     let captured = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
     materials.iter().map(captured).collect()

@@ -57,9 +57,10 @@ impl Method for CapturesMethod {
             frame.skip("follow", "the scene has no place for a capture");
             return Ok(MethodOutput { hits, ..MethodOutput::new(Reflection(&self.reflection)) });
         };
-        let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
+        let (fades, wants_triangle) = (false, false);
+        let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), fades);
         let block = capture_block(input.camera, Some(&captures));
-        let lost_rays = self.lost.bindings(frame, &block, input.sky, false)?;
+        let lost_rays = self.lost.bindings(frame, &block, input.sky, wants_triangle)?;
         self.lost.clear(frame)?;
         follow.record_begin(frame, lost_rays, &gbuffer, input.in_front, &parameters)?;
         let canvas = Canvas { composite: None, reflection: Some(&self.reflection) };

@@ -39,13 +39,13 @@ parameters! {
             .unit("m")
             .sweep(Preset::Published, &[0.05, 0.1, 0.5, 1.0])
             .source(TUNED),
-        /// Samples are shifted along the ray by up to half a stride, from pixel to pixel in a fixed pattern of 4 × 4, so
-        /// that bands become noise.
+        /// Samples are shifted along the ray by up to half a stride, from pixel to pixel in a fixed pattern of 4 × 4,
+        /// so that bands become noise.
         dda_jitter: bool = Parameter::new(false)
             .sweep(Preset::Published, &[true])
             .source(TUNED),
-        /// A hit is searched for by halves within the step that found it, and must stand up there. Steps in which the ray
-        /// goes behind what is seen are searched, too.
+        /// A hit is searched for by halves within the step that found it, and must stand up there. Steps in which the
+        /// ray goes behind what is seen are searched, too.
         dda_refine: bool = Parameter::new(true)
             .sweep(Preset::Published, &[false])
             .source("not in McGuire and Mara 2014; as engines do"),

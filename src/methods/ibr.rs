@@ -69,15 +69,17 @@ struct IbrMethod {
 /// rays of sight are nearly parallel, as in a projection onto the plane.
 const EYE_DISTANCE: f32 = 200.0;
 
-/// Returns a camera before a box that sees nothing else. The box reaches `depth` metres before and behind its plane.
-fn box_camera(proxy: &Impostor, depth: f32) -> Camera {
+/// Returns a camera far in front of a box that sees no more than the box, `depth_m` metres before and behind its plane.
+fn box_camera(proxy: &Impostor, depth_m: f32) -> Camera {
     let (half_width, half_height) = (proxy.half_u.length(), proxy.half_v.length());
-    let away = EYE_DISTANCE * half_width.max(half_height).max(depth);
-    let eye = proxy.centre + away * proxy.normal();
-    let fov_y_radians = 2.0 * (half_height / away).atan();
+    let distance = EYE_DISTANCE * half_width.max(half_height).max(depth_m);
+    let eye = proxy.centre + distance * proxy.normal();
+    let fov_y_radians = 2.0 * (half_height / distance).atan();
+    // `half_v` points to the bottom of the image.
+    let up = -proxy.half_v / half_height;
     Camera {
-        world_to_view: look_to_mat4(eye, -proxy.normal(), -proxy.half_v / half_height),
-        lens: Lens::perspective(fov_y_radians, away - depth, away + depth),
+        world_to_view: look_to_mat4(eye, -proxy.normal(), up),
+        lens: Lens::perspective(fov_y_radians, distance - depth_m, distance + depth_m),
         aspect: half_width / half_height,
         near_plane: None,
         projection: None,
@@ -146,22 +148,23 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn the_camera_of_a_box_sees_the_box() {
+    fn the_image_of_a_box_ends_at_its_sides_and_its_depth_at_its_front_and_back() {
         let (centre, half_u, half_v) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.0, -0.5, 0.0));
         let proxy = Impostor { name: String::new(), centre, half_u, half_v, texture: 0 };
         let camera = box_camera(&proxy, 0.25);
         assert!(camera.is_sound());
         let to_clip = camera.view_to_clip_reversed() * camera.world_to_view;
-        // The image's edges are those of the rectangle, and depth is 1 before the box, 0 behind it.
-        for (u, v, n, x, y, z) in [
+        // A point: shares of `half_u` and `half_v`, and metres along the normal. Then its place in the image, whose
+        // edges are at ±1, and its depth, if checked: 1 at the front of the box and 0 at its back.
+        for (u, v, along_normal, x, y, depth) in [
             (1.0, 0.0, 0.0, 1.0, 0.0, None),
             (0.0, 1.0, 0.0, 0.0, -1.0, None),
             (-1.0, -1.0, 0.25, -1.0, 1.0, Some(1.0)),
             (0.0, 0.0, -0.25, 0.0, 0.0, Some(0.0)),
         ] {
-            let seen = to_clip.project_point3(centre + u * half_u + v * half_v + n * proxy.normal());
+            let seen = to_clip.project_point3(centre + u * half_u + v * half_v + along_normal * proxy.normal());
             assert!((seen.x - x).abs() < 0.01 && (seen.y - y).abs() < 0.01, "{u}, {v}: {seen}");
-            assert!(z.is_none_or(|z: f32| (seen.z - z).abs() < 0.01), "{seen}");
+            assert!(depth.is_none_or(|depth: f32| (seen.z - depth).abs() < 0.01), "{seen}");
         }
         assert_eq!(image_size(&proxy, 256), [256, 64]);
     }

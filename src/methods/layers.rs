@@ -59,8 +59,7 @@ impl SecondLayer {
     }
 
     /// Records passes "layer/g-buffer" and "layer/lighting", which draw the nearest surfaces behind those of `first`.
-    /// The result has the size at which rays are traced: pass "layer/downsample" scales it down if that size is
-    /// smaller.
+    /// The result has the size at which rays are traced; pass "layer/downsample" makes it if that size is smaller.
     ///
     /// # Errors
     /// Errors of the device.

@@ -68,7 +68,8 @@ impl Method for LinearMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
         let depth = input.in_first_bounce(|| self.depth.record(frame, gbuffer), || self.depth.recorded())?;
-        let block = thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade);
+        let levels = 1;
+        let block = thesis::block(input.camera, gbuffer.depth.extent(), levels, self.fade);
         let parameters = self.border.fill(self.numbers.fill(block));
         let (reflection, hits) = self.trace.record(frame, gbuffer, depth, &parameters)?;
         let intermediates =

@@ -32,7 +32,7 @@ pub struct PccmMethod {
 }
 
 impl PccmMethod {
-    /// Makes the method without maps, which `prepare` captures. `corrected` is true for `pccm`, and false for `local-map`.
+    /// Makes the method without maps, which `prepare` captures. `corrected` is false for `local-map` alone.
     pub fn new(gpu: &Gpu, setup: &Setup, corrected: bool) -> Result<Self> {
         let pass = PccmPass::new(gpu, setup.stage(), setup.extent, setup.projection, corrected)?;
         Ok(Self { pass, maps: Vec::new(), captured_with: Vec::new() })
@@ -64,8 +64,8 @@ impl Method for PccmMethod {
     }
 }
 
-/// Returns the two maps for a frame seen from `eye`: those whose boxes are nearest to it, and of boxes that are equally
-/// near (or contain it) those captured nearest to it. A single map is returned twice; `None` without maps.
+/// Returns the two maps whose boxes are nearest to `eye`, the nearest first. A box around the eye has distance 0; among
+/// equals, the map captured nearer comes first. A single map is returned twice; `None` without maps.
 fn two_nearest<T>(maps: &[T], probe: impl Fn(&T) -> &Probe, eye: Vec3) -> Option<[&T; 2]> {
     // Distances from the eye to the map's box, and to the place where the map was captured.
     let distances = |map: &T| {
@@ -84,19 +84,19 @@ mod tests {
     use ssct_ground::scene::Aabb;
 
     #[test]
-    fn the_boxes_around_the_camera_come_first() {
-        let probe = |name: &str, position: f32, from: f32, to: f32| Probe {
+    fn maps_whose_boxes_are_nearest_come_first_and_a_single_map_twice() {
+        let probe = |name: &str, position_x: f32, min_x: f32, max_x: f32| Probe {
             name: name.into(),
-            position: Vec3::X * position,
-            bounds: Aabb { min: Vec3::new(from, -1.0, -1.0), max: Vec3::new(to, 1.0, 1.0) },
+            position: Vec3::X * position_x,
+            bounds: Aabb { min: Vec3::new(min_x, -1.0, -1.0), max: Vec3::new(max_x, 1.0, 1.0) },
         };
-        let all = [probe("far", 9.0, 8.0, 12.0), probe("next", 3.1, 3.0, 8.0), probe("here", -2.0, -4.0, 3.0)];
+        let probes = [probe("far", 9.0, 8.0, 12.0), probe("next", 3.1, 3.0, 8.0), probe("here", -2.0, -4.0, 3.0)];
         let nearest_names =
             |probes: &[Probe], x: f32| two_nearest(probes, |p| p, Vec3::X * x).map(|two| two.map(|p| p.name.clone()));
         // In the box of "here", though "next" was captured nearer by.
-        assert_eq!(nearest_names(&all, 2.9).unwrap(), ["here", "next"]);
-        assert_eq!(nearest_names(&all, 8.5).unwrap(), ["far", "next"]);
-        assert_eq!(nearest_names(&all[..1], 0.0).unwrap(), ["far", "far"]);
+        assert_eq!(nearest_names(&probes, 2.9).unwrap(), ["here", "next"]);
+        assert_eq!(nearest_names(&probes, 8.5).unwrap(), ["far", "next"]);
+        assert_eq!(nearest_names(&probes[..1], 0.0).unwrap(), ["far", "far"]);
         assert!(nearest_names(&[], 0.0).is_none());
     }
 }

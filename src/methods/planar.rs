@@ -4,8 +4,7 @@
 //!
 //! The reflection is that of a perfect mirror, whatever the roughness and the normal map say: the mirrored matrix "does
 //! not allow any distortions". Mirrors in the mirror don't reflect. A pixel where the mirrored camera sees nothing is a
-//! miss. The stencil avoids shading outside the mirror, but not the work on vertices. Lighting runs over the whole
-//! image in both variants.
+//! miss. The stencil saves shading outside the mirror, but no work on vertices, and lighting runs over the whole image.
 
 use super::needs::Need;
 use super::{Input, Intermediate, Method, MethodInfo, MethodOutput, SceneInput, Setup};

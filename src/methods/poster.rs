@@ -31,8 +31,8 @@ parameters! {
         poster_filter: PosterFilter = Parameter::new(PosterFilter::Mip)
             .sweep(Preset::Published, &[PosterFilter::Volume, PosterFilter::EdgeAware])
             .source("Hermanns and Franke 2014, figure 2; edge-aware: its conclusion"),
-        /// Greatest difference of depth from texel to texel that the edge-aware filter takes for one surface, as a part of
-        /// the depth.
+        /// Greatest difference of depth from texel to texel that the edge-aware filter takes for one surface, as a part
+        /// of the depth.
         edge_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("not in Hermanns and Franke 2014"),
         /// First step of the march.
         march_stride: f32 =
@@ -71,7 +71,7 @@ struct PosterMethod {
 impl PosterMethod {
     fn new(gpu: &Gpu, request: &MethodRequest) -> Result<Self> {
         let (setup, p) = (&request.setup, request.setup.parameters::<PosterParams>());
-        let layers = p.layers.has_second();
+        let has_second_layer = p.layers.has_second();
         let [fade_start, fade_end] = p.border.ends();
         let steps = MarchSteps {
             step_increase: p.march_increase,
@@ -79,11 +79,12 @@ impl PosterMethod {
             search_count: p.search_steps as i32,
             search_decrease: p.search_decrease,
         };
-        let filter = || FilteredGBufferPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, p.edge_tolerance);
+        let (stage, extent) = (setup.stage(), setup.extent);
+        let make_filter = || FilteredGBufferPass::new(gpu, stage, extent, p.poster_filter, p.edge_tolerance);
         Ok(Self {
-            filter: filter()?,
-            second_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
-            march: ConeMarchPass::new(gpu, setup.stage(), setup.extent, p.poster_filter, steps, request.hits, layers)?,
+            filter: make_filter()?,
+            second_filter: if has_second_layer { Some(make_filter()?.labelled("layer/")) } else { None },
+            march: ConeMarchPass::new(gpu, stage, extent, p.poster_filter, steps, request.hits, has_second_layer)?,
             parameters: PosterBlock {
                 first_step: p.march_stride,
                 epsilon: p.search_tolerance,

@@ -56,7 +56,8 @@ parameters! {
         /// What the blur of the colour chain leaves out. A mask needs the Gaussian, which then filters the chain.
         chain_mask: ChainMask =
             Parameter::new(ChainMask::None).source("Hermanns 2015, ch. 6 and §4.3.2; not which mask"),
-        /// Greatest difference of depths that the mask by surfaces takes for one surface, as a part of the lesser depth.
+        /// Greatest difference of depths that the mask by surfaces takes for one surface, as a part of the lesser
+        /// depth.
         chain_mask_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("this project"),
         /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it.
         hi_z_maximum: bool = Parameter::new(false).author(true).source("§4.2.4: the minimum"),
@@ -118,6 +119,7 @@ impl ThesisMethod {
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         let parameters: SsctParams = setup.parameters();
         let request = MethodRequest::new(setup, Wants { hits: true, reflection: true, composite: false });
+        // Only split passes have a cone trace that can be recorded alone.
         let drawn = ThesisDrawing { split: true, ..parameters.drawn };
         Self::new(gpu, &request, drawn, Some(parameters.march.numbers()), parameters.fill_function())
     }

@@ -40,8 +40,8 @@ parameters! {
     pub struct SslrParams {
         /// Parameters of the march.
         march: UniformMarchParams,
-        /// How the chains of ray trace colour and mask are filtered. The author's program leaves its blur shaders out and
-        /// lets the GPU make the chains.
+        /// How the chains of ray trace colour and mask are filtered. The author's program leaves its blur shaders out
+        /// and lets the GPU make the chains.
         mask_filter: MaskFilter =
             Parameter::new(MaskFilter::Weighted).author(MaskFilter::Hardware).source("§4.3.2"),
         /// How the march reads depth.
@@ -82,7 +82,8 @@ impl Method for SslrMethod {
         let gbuffer = &input.gbuffer;
         let depth = input.in_first_bounce(|| self.depth.record(frame, gbuffer), || self.depth.recorded())?;
         let parameters = self.parameters;
-        let block = parameters.march.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, false));
+        let (levels, fades) = (1, false);
+        let block = parameters.march.fill(thesis::block(input.camera, gbuffer.depth.extent(), levels, fades));
         let sampler = match parameters.depth_sampling {
             DepthSampling::Linear => Sampler::TrilinearClamp,
             DepthSampling::Nearest => Sampler::NearestClamp,

@@ -60,12 +60,12 @@ impl SchmidtMethod {
         blur: Option<ChainFilter>,
     ) -> Result<Self> {
         let (extent, fade, stage) = (request.setup.extent, request.setup.effect().fade, request.setup.stage());
-        let layers = request.setup.parameters::<LayerParams>().has_second();
-        let chain = || blur.map(|filter| ColorChainPass::new(gpu, stage, extent, LIT_COLOR, filter)).transpose();
+        let has_second_layer = request.setup.parameters::<LayerParams>().has_second();
+        let make_chain = || blur.map(|filter| ColorChainPass::new(gpu, stage, extent, LIT_COLOR, filter)).transpose();
         Ok(Self {
-            chain: chain()?,
-            second_chain: if layers { chain()? } else { None },
-            trace: SchmidtTracePass::new(gpu, stage, extent, march, request.hits, layers)?,
+            chain: make_chain()?,
+            second_chain: if has_second_layer { make_chain()? } else { None },
+            trace: SchmidtTracePass::new(gpu, stage, extent, march, request.hits, has_second_layer)?,
             parameters: SchmidtBlock {
                 user_pixelStepSize: pixel_step as f32,
                 fadeToEdges: i32::from(fade),
@@ -78,7 +78,7 @@ impl SchmidtMethod {
 impl Method for SchmidtMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<MethodOutput<'a>> {
         let gbuffer = &input.gbuffer;
-        let diffuse = match &self.chain {
+        let color = match &self.chain {
             Some(chain) => chain.record(frame, gbuffer)?.0.all(),
             None => gbuffer.color.level(0),
         };
@@ -88,7 +88,7 @@ impl Method for SchmidtMethod {
             (_, None) => None,
         };
         let (reflection, hits) =
-            self.trace.record(frame, gbuffer, diffuse, second_layer, input.camera, &self.parameters)?;
+            self.trace.record(frame, gbuffer, color, second_layer, input.camera, &self.parameters)?;
         Ok(MethodOutput { hits, ..MethodOutput::new(reflection) })
     }
 }

@@ -154,8 +154,8 @@ impl Method for StochasticMethod {
         let mut unified = unified::parameters(input.camera, extent, self.fade);
         [unified.fade_start, unified.fade_end] = self.parameters.border.ends();
         unified.sky = i32::from(input.sky.is_some());
-        let camera = capture_block(input.camera, None);
-        let lost_rays = self.lost.bindings(frame, &camera, input.sky, false)?;
+        let (sky_block, wants_triangle) = (capture_block(input.camera, None), false);
+        let lost_rays = self.lost.bindings(frame, &sky_block, input.sky, wants_triangle)?;
         let mut intermediates = Vec::new();
         let hits = match &self.walk {
             Walk::Exact(pyramid, trace) => {
@@ -167,8 +167,8 @@ impl Method for StochasticMethod {
                 })?;
                 trace.hits()
             }
-            Walk::Thesis(pass, ssct, trace) => {
-                let hi_z = input.in_first_bounce(|| pass.record(frame, gbuffer), || pass.recorded())?;
+            Walk::Thesis(hi_z_pass, ssct, trace) => {
+                let hi_z = input.in_first_bounce(|| hi_z_pass.record(frame, gbuffer), || hi_z_pass.recorded())?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let camera_block = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);

@@ -59,14 +59,15 @@ parameters! {
 }
 
 choices! {
-    /// The half angle of the cone of a roughness ϱ. Eq. 4.5 cannot serve as it is printed: with its α, which grows with ϱ,
-    /// mirrors have the widest cones.
+    /// The half angle of the cone of a roughness ϱ. Eq. 4.5 cannot serve as it is printed: with its α, which grows with
+    /// ϱ, mirrors have the widest cones.
     pub enum ConeAngle {
-        /// The author's: ϱ/2. Eq. 4.5 gives this angle for this project's lobe of roughness ϱ, with an arc cosine in place of the
-        /// printed cosine.
+        /// The author's: ϱ/2. Eq. 4.5 gives this angle for this project's lobe of roughness ϱ, with an arc cosine in
+        /// place of the printed cosine.
         Lobe = "lobe",
-        /// The nearest to print that serves: Eq. 4.5 with an arc cosine and with the ends of its interpolation swapped, from
-        /// `cone_alpha_max` for mirrors to `cone_alpha_min`; and no angle at all for an α above `cone_mirror_alpha`.
+        /// The nearest to print that serves: Eq. 4.5 with an arc cosine and with the ends of its interpolation swapped,
+        /// from `cone_alpha_max` for mirrors to `cone_alpha_min`; and no angle at all for an α above
+        /// `cone_mirror_alpha`.
         Interpolated = "interpolated",
     }
 }
@@ -82,8 +83,8 @@ parameters! {
         cone_alpha_min: f32 = Parameter::new(0.1).between(0.0, 1e4).source(UNPRINTED),
         /// The exponent of mirrors, where it is interpolated.
         cone_alpha_max: f32 = Parameter::new(1024.0).between(0.0, 1e4).source(UNPRINTED),
-        /// Share of the lobe that lies outside of the cone: ξ of Eq. 4.5. With another one, cones are wider (below 0.244) or
-        /// narrower for the same lobe, however the angle is found.
+        /// Share of the lobe that lies outside of the cone: ξ of Eq. 4.5. With another one, cones are wider (below
+        /// 0.244) or narrower for the same lobe, however the angle is found.
         cone_xi: f32 = Parameter::new(XI as f32).between(0.001, 0.999).source("§4.2.8: 0.244"),
         /// The exponent above which a cone is a mirror's and has no angle, where it is interpolated.
         cone_mirror_alpha: f32 =
@@ -112,9 +113,8 @@ parameters! {
     }
 }
 
-/// Returns a block with the members that depend on a camera and a size in pixels alone. `levels` is the number of
-/// levels of the Hi-Z chain; `fade` says whether reflections fade at the screen's border. The groups of parameters fill
-/// in the rest.
+/// Returns a block with the members that camera and size in pixels decide; the groups of parameters fill in the rest.
+/// `levels` is the number of levels of the Hi-Z chain, and `fade` whether reflections fade at the screen's border.
 pub fn block(camera: &Camera, extent: [u32; 2], levels: u32, fade: bool) -> ThesisBlock {
     let projection = camera.view_to_clip().as_dmat4();
     ThesisBlock {
@@ -134,11 +134,11 @@ pub fn block(camera: &Camera, extent: [u32; 2], levels: u32, fade: bool) -> Thes
 parameters! {
     /// Where reflections fade at the screen's border (thesis Eq. 4.7).
     pub struct FadeParams {
-        /// Where the fade begins: the distance of a hit from the middle of the screen, of which 1 is half the screen's width,
-        /// and height (I_start of Eq. 4.7).
+        /// Where the fade begins: the distance of a hit from the middle of the screen, of which 1 is half the screen's
+        /// width, and height (I_start of Eq. 4.7).
         fade_start: f32 = Parameter::new(0.8).above(0.0, 2.0).unit("half screens").source("Hermanns 2015, §4.2.9: 0.8"),
-        /// Where the fade is complete (I_end of Eq. 4.7). An end that does not lie beyond the start makes a hard edge at
-        /// the start.
+        /// Where the fade is complete (I_end of Eq. 4.7). An end that does not lie beyond the start makes a hard edge
+        /// at the start.
         fade_end: f32 = Parameter::new(1.0).above(0.0, 2.0).unit("half screens").source("Hermanns 2015, Eq. 4.7"),
     }
 }
@@ -182,7 +182,7 @@ impl MarchParams {
         ThesisBlock { linear_march_stride: self.march_stride, binary_search_first: self.search_first, ..block }
     }
 
-    /// Returns the numbers that are constants in the listings.
+    /// Returns the numbers that are constants in the listings, and specialization constants of the shaders.
     pub fn numbers(&self) -> MarchNumbers {
         MarchNumbers {
             linear_march_count: self.march_steps as i32,

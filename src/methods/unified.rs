@@ -1,5 +1,5 @@
-//! `unified`: this project's own method, with one exact traversal for every ray, and only the work that the frame needs.
-//! `docs/unified.md` has what was measured on the way, and what was tried and left out.
+//! `unified`: this project's own method, with one exact traversal for every ray, and only the work that the frame
+//! needs. `docs/unified.md` has what was measured on the way, and what was tried and left out.
 //!
 //! # The idea
 //!
@@ -22,51 +22,50 @@
 //! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval, whichever way the
 //! ray runs. If the intervals of ray and cell don't meet, the ray leaves the cell at once: before objects, behind them,
 //! away from the camera or towards it. If they meet, the walk goes down a level; in a pixel, the ray hits. Cells have
-//! integer coordinates, sides are crossed exactly, and each step goes forward or down, so that no ray runs out of
-//! steps.
+//! integer coordinates, sides are crossed exactly, and each step goes forward or down: no ray runs out of steps.
 //!
 //! **From in front.** A block has a thickness so that no ray slips through a surface between two pixels. Therefore a
 //! block also stops rays that come from behind it or pass an edge, and the block beside a ray's own pixel stops a ray
 //! that leaves its surface. Most false hits are of these kinds. Version 2 of the oracle asks where a ray can have come
-//! from. The normal answers for the first pixel, and the pixel before a hit answers for the hit, after the walk. Version
-//! 2 is optional, since a miss is black, and a wrong hit is often a better guess than black.
+//! from. The normal answers for the first pixel, and the pixel before a hit answers for the hit, after the walk.
+//! Version 2 is optional, since a miss is black, and a wrong hit is often a better guess than black.
 //!
 //! **Beyond the screen.** With captures the screen is one image of the scene among several. A ray that the
 //! screen loses, because it leaves the screen or goes behind something, goes on through cubes of images with the same
 //! pyramid, by the same traversal ([`follow`](crate::passes::follow)). With captures, rays hit only what they meet from
 //! in front, and nothing fades at the screen's border.
 //!
-//! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is the image. Otherwise
-//! [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and wide lobes, and the passes for each
-//! list draw its tiles indirectly, over the lit colour. If every lit material reflects in one way, nothing is classified, and the
-//! whole image is drawn at once. The passes that know the reflection also composite it, and store it as an image of its own only if
-//! that is wanted.
+//! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is the image.
+//! Otherwise [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and wide lobes, and
+//! the passes for each list draw its tiles indirectly, over the lit colour. If every lit material reflects in one way,
+//! nothing is classified, and the whole image is drawn at once. The passes that know the reflection also composite it,
+//! and store it as an image of its own only if that is wanted.
 //!
-//! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) takes one ray a pixel for narrow lobes, and one ray for 2 × 2 pixels
-//! for wide lobes. Neighbours have different directions of one pattern, and each pixel gathers the rays around it as samples of its
-//! own lobe: 9 rays of narrow lobes or 25 of wide ones. A fragment loads only 4 or 9 of them, since the four pixels of
-//! a block of 2 × 2, which are shaded in step, exchange what they loaded (`exchanged_rays.glsl`). In compute shaders a
-//! workgroup loads its rays once into shared memory (`shared_rays.glsl`). Where a map turns the normals, the wide lobes
-//! of neighbours have little in common, and the footprint of each ray covers more of its own lobe. A pixel with a wide
-//! lobe interpolates between the cells around it that show its own surface. The pixels that stand for cells lie as on a
-//! chequerboard, so that a line one pixel wide does not escape all of them. Nothing is random. Pixels whose neighbours'
-//! rays say little of their reflection can have own rays ([`OwnRaysPass`]). With a history, each frame of a camera at
-//! rest deals out new directions. Over a fallback ([`Fallback`]) a ray that misses is not black but
-//! transparent, so that the fallback shows through.
+//! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) takes one ray a pixel for narrow lobes, and one ray for
+//! 2 × 2 pixels for wide lobes. Neighbours have different directions of one pattern, and each pixel gathers the rays
+//! around it as samples of its own lobe: 9 rays of narrow lobes or 25 of wide ones. A fragment loads only 4 or 9 of
+//! them, since the four pixels of a block of 2 × 2, which are shaded in step, exchange what they loaded
+//! (`exchanged_rays.glsl`). In compute shaders a workgroup loads its rays once into shared memory (`shared_rays.glsl`).
+//! Where a map turns the normals, the wide lobes of neighbours have little in common, and the footprint of each ray
+//! covers more of its own lobe. A pixel with a wide lobe interpolates between the cells around it that show its own
+//! surface. The pixels that stand for cells lie as on a chequerboard, so that a line one pixel wide does not escape all
+//! of them. Nothing is random. Pixels whose neighbours' rays say little of their reflection can have own rays
+//! ([`OwnRaysPass`]). With a history, each frame of a camera at rest deals out new directions. Over a fallback
+//! ([`Fallback`]) a ray that misses is not black but transparent, so that the fallback shows through.
 //!
 //! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
 //! The two make the same image to the bit on devices whose stages compute alike; which is faster depends on the device.
-//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and the parameter `stage` chooses
-//! one for all. Only the pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute
-//! program runs in as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
+//! [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and the parameter `stage`
+//! chooses one for all. Only the pipelines of the chosen stages are made. A fragment program is drawn over tiles as
+//! points. A compute program runs in as many workgroups of 8 × 8 as the classification has counted.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
-//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles; `gloss.glsl`,
-//! which has the lobes; in `trace/`: `traverse.glsl`, `surface.glsl`, `mirror.glsl` and `gloss_trace.glsl`; in `resolve/`:
-//! `gathered.glsl`, `exchanged_rays.glsl`, `shared_rays.glsl`, `narrow.glsl`, `cells.glsl` and `wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
+//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles;
+//! `gloss.glsl`, which has the lobes; in `trace/`: `traverse.glsl`, `surface.glsl`, `mirror.glsl` and
+//! `gloss_trace.glsl`; in `resolve/`: `gathered.glsl`, `exchanged_rays.glsl`, `shared_rays.glsl`, `narrow.glsl`,
+//! `cells.glsl` and `wide.glsl`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
 //! `follow.comp`. A `.frag` and a `.comp` of the same stem include each file that traces or resolves. The `.comp` files
-//! that write finished pixels share `store.glsl`. The pyramid, the traversal and the passes of gloss have twins on the
-//! CPU in `reference::unified`.
+//! that write finished pixels share `store.glsl`. Pyramid, traversal and gloss have CPU twins in `reference::unified`.
 
 mod beyond;
 
@@ -115,8 +114,8 @@ const MAX_TRACED_FIRST_ON_CPU: u32 = 60_000;
 choices! {
     /// What colour a ray sees where it meets a triangle.
     pub enum HitColor {
-        /// The screen's, where a renderer hands over triangles with colours and lights the screen itself; the triangle's where the
-        /// lights of the scene are known.
+        /// The screen's, where a renderer hands over triangles with colours and lights the screen itself; the
+        /// triangle's where the lights of the scene are known.
         Auto = "auto",
         /// The screen's where the screen shows the place, else the triangle's.
         Screen = "screen",
@@ -151,18 +150,18 @@ impl HitColor {
 parameters! {
     /// Who answers rays in `unified`, and the shader stages in which it runs.
     pub struct UnifiedParams {
-        /// Who is asked first where a ray ends, among the triangles of the scene: the screen, whose rays go on among the triangles where
-        /// it loses them; or the triangles, and no ray walks over the screen.
+        /// Who is asked first where a ray ends, among the triangles of the scene: the screen, whose rays go on among
+        /// the triangles where it loses them; or the triangles, and no ray walks over the screen.
         first: FirstTraced = Parameter::new(FirstTraced::Auto).source("this project (docs/unified.md)"),
-        /// What colour a ray sees where it meets a triangle: that of the triangle, as its material and the lights of the scene make it;
-        /// or that of the screen wherever the screen shows the place, over the ray's footprint. Where a renderer lights its screen in
-        /// a way that nobody else knows, the screen is right.
+        /// What colour a ray sees where it meets a triangle: that of the triangle, as its material and the lights of
+        /// the scene make it; or that of the screen wherever the screen shows the place, over the ray's footprint.
+        /// Where a renderer lights its screen in a way that nobody else knows, the screen is right.
         hit_color: HitColor = Parameter::new(HitColor::Auto).source("this project (docs/unified.md)"),
-        /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
-        /// same, and which is faster depends on the device (docs/unified.md).
+        /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is
+        /// the same, and which is faster depends on the device (docs/unified.md).
         trace_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
-        /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide). The image is the
-        /// same.
+        /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide). The image is
+        /// the same.
         resolve_stage: StageChoice = Parameter::new(StageChoice::Auto).source("this project"),
         /// Where reflections fade.
         border: FadeParams,
@@ -217,7 +216,8 @@ impl UnifiedMethod {
         Self::in_stages(gpu, request, (false, request.triangles), [stage; 2])
     }
 
-    /// Makes the method for the shader stages of the passes that trace and of those that gather.
+    /// Makes the method for the shader stages of the passes that trace and of those that gather. `walks_screen` says
+    /// whether rays are followed over the screen first, and `triangles` how shaders read those that rays may meet.
     fn in_stages(
         gpu: &Gpu,
         request: &MethodRequest,
@@ -294,7 +294,7 @@ impl UnifiedMethod {
         })
     }
 
-    /// Records the pass that empties the list of lost rays, before a pass that fills it.
+    /// Records the pass that empties the list of lost rays, if a later pass follows the rays on the list.
     fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
         if self.beyond.is_some() { self.lost.clear(frame) } else { Ok(()) }
     }
@@ -372,8 +372,9 @@ impl Method for UnifiedMethod {
         parameters.turn = input.frames_at_rest as i32;
         parameters.sky = i32::from(input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
-        let lit = input.triangles.zip(input.scene);
-        let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
+        // First the blocks and bindings of rays beyond the screen, then the passes in their order.
+        let lit_triangles = input.triangles.zip(input.scene);
+        let lights = lit_triangles.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
         // The sides of a pixel are twice as long as `pixel_to_view`, which is for half a pixel.
         let [width, height] = parameters.pixel_to_view.map(|half| 2.0 * half);
         let max_offset = self.max_point_offset_px * width.hypot(height);
@@ -460,14 +461,15 @@ impl Method for UnifiedMethod {
 }
 
 /// Returns how far a pixel's point may lie beside the surface that the pixel shows, in pixels along each axis of the
-/// screen. A rasteriser rounds corners to parts of a pixel, here by at most 8 bits, since another device may have drawn
-/// the G-buffer. A pixel that stands for a block has the depth of the block's first pixel.
+/// screen. A rasteriser rounds corners to parts of a pixel: to 2⁻⁸ at best, since another device may have drawn the
+/// G-buffer. A pixel that stands for `divisor` × `divisor` pixels has the depth of the first of them.
 fn max_point_offset_px(precision: Precision, divisor: u32) -> f32 {
     let rounding = 0.5f32.powi(precision.sub_pixel_bits.min(8) as i32 + 1);
     rounding + 0.5 * (divisor - 1) as f32 / divisor as f32
 }
 
-/// Returns the parameters of `unified` for a camera and a size in pixels. They are computed in f64 and rounded once.
+/// Returns the parameters of `unified` for a camera and a size in pixels, computed in f64 and rounded once. `fade` says
+/// whether reflections fade at the screen's border, and the numbers of the fade are the published ones.
 pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock {
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let to_clip = [projection.x_axis.x, projection.y_axis.y];

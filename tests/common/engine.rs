@@ -14,7 +14,7 @@ use ssct::{
     ReflectionsInfo, Reflectors, TriangleMesh, Triangles,
 };
 use ssct_lab::stage::{Globals, Shot, Stage, gbuffer, image};
-use ssct_scenes::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, library};
+use ssct_scenes::{Camera, Encoding, GBufferData, Mesh, Scene, Surface, Texture, library};
 use ssct_truth::reference::unified::encode_octahedral;
 
 /// A format of four 16-bit floats.
@@ -128,12 +128,13 @@ impl Engine {
         }
     }
 
-    /// Reads an output image of the door back to the host.
+    /// Reads an output image of the door back to the host. The frame must have left it ready to be copied from, as
+    /// [`ForeignGBuffer::input`] asks.
     pub fn read(&mut self, output: &OutputImage) -> Pixels {
-        let part =
+        let range =
             vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).level_count(1).layer_count(1);
-        let like = (output.format, output.extent);
-        let image = Image::borrowed(&self.gpu, "output", (output.image, output.view), part, like);
+        let (handles, format_and_extent) = ((output.image, output.view), (output.format, output.extent));
+        let image = Image::borrowed(&self.gpu, "output", handles, range, format_and_extent);
         self.frames
             .once(|frame| {
                 frame.take_over(&image, ImageUse::TRANSFER_SOURCE);
@@ -193,6 +194,7 @@ pub const NATIVE: Convention = Convention {
 pub struct ForeignGBuffer {
     pub depth: Image,
     pub normal: Image,
+    /// Roughness in channel 1 and reflectivity in channel 3. The others hold values that the door must not use.
     pub material: Image,
     pub color: Image,
     pub camera: CameraInput,
@@ -220,6 +222,7 @@ impl ForeignGBuffer {
             clip[10] = w_per_z - ours[10];
             clip[14] = constant_w - ours[14];
         }
+        // The numbers stand column by column: 8 to 11 are the column of z, and 1, 5, 9 and 13 the row of y.
         (8..12).for_each(|i| clip[i] *= z_sign);
         if convention.clip_y == ClipY::Down {
             [1, 5, 9, 13].into_iter().for_each(|i| clip[i] = -clip[i]);
@@ -242,7 +245,8 @@ impl ForeignGBuffer {
             }
         };
         let depth: Vec<f32> = data.depth.iter().map(|d| if convention.standard_depth { 1.0 - d } else { *d }).collect();
-        let material = data.roughness.iter().zip(&data.reflectivity).flat_map(|(ro, re)| [0.25, *ro, 0.5, *re]);
+        let factors = data.roughness.iter().zip(&data.reflectivity);
+        let material = factors.flat_map(|(roughness, reflectivity)| [0.25, *roughness, 0.5, *reflectivity]);
         let color = data.color.iter().flat_map(|c| c.extend(1.0).to_array());
         let camera =
             CameraInput { world_to_view: world_to_view.to_cols_array(), view_to_clip: clip, clip_y: convention.clip_y };
@@ -294,6 +298,7 @@ pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferDat
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let materials = Globals::default().materials(&scene, view);
     let camera = view.camera(&scene, extent);
+    // Any method will do, since all of them draw the same G-buffer.
     let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(extent), Wants::IMAGE, camera, materials).unwrap();
     image::render(&mut stage, &shot, false).unwrap();
     let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
@@ -321,8 +326,8 @@ pub fn rmse(a: &Pixels, b: &Pixels) -> f64 {
     (sum / a.values.len() as f64).sqrt()
 }
 
-/// Returns the rooms without lights, whose surfaces have one colour each and no maps, as meshes of another renderer may
-/// have.
+/// Returns the rooms without lights and maps. Each surface is seen from both sides and emits one colour, its albedo, as
+/// meshes of another renderer may.
 pub fn plain_rooms() -> Scene {
     let mut scene = library::scene("rooms").expect("a built-in scene");
     scene.lights.clear();
@@ -351,10 +356,9 @@ pub fn vertices_of(scene: &Scene) -> Vec<Vertices> {
 }
 
 /// Returns the meshes of a scene for the door, each in its material's albedo. If they are textured, each has its albedo
-/// map as well.
+/// map as well. `vertices` are those of [`vertices_of`] for the same scene.
 pub fn meshes_of<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: bool) -> Vec<TriangleMesh<'a>> {
-    let all = scene.meshes.iter().zip(vertices);
-    all.map(|(mesh, Vertices { positions, places })| {
+    let mesh_for_door = |(mesh, Vertices { positions, places }): (&'a Mesh, &'a Vertices)| {
         let material = &scene.materials[mesh.material];
         let texture = material.albedo_map.filter(|_| are_textured);
         TriangleMesh {
@@ -364,15 +368,17 @@ pub fn meshes_of<'a>(scene: &'a Scene, vertices: &'a [Vertices], are_textured: b
             color: material.albedo.to_array(),
             texture: texture.map(|number| MeshTexture { number, places }),
         }
-    })
-    .collect()
+    };
+    scene.meshes.iter().zip(vertices).map(mesh_for_door).collect()
 }
 
 /// Returns the textures of a scene, in the form in which the door takes them.
 pub fn textures_of(scene: &Scene) -> Vec<HitTexture<'_>> {
-    let all = scene.textures.iter();
-    all.map(|t| HitTexture { extent: [t.width, t.height], is_srgb: t.encoding == Encoding::Srgb, texels: &t.rgba })
-        .collect()
+    let mut textures = Vec::new();
+    for Texture { width, height, rgba, encoding, .. } in &scene.textures {
+        textures.push(HitTexture { extent: [*width, *height], is_srgb: *encoding == Encoding::Srgb, texels: rgba });
+    }
+    textures
 }
 
 /// Copies triangles to the device.

@@ -90,7 +90,8 @@ pub fn boards() -> &'static str {
     &FILE
 }
 
-/// Writes the two files of a scene of two boards into a folder.
+/// Writes a scene file of a floor and a wall, and its mesh, into a folder. `views` are the names of its views, whose
+/// cameras stand one behind the other.
 fn write_boards(folder: &Path, views: &[&str]) {
     let board = "o floor\nv -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 4 3 2 1\n\
                  o wall\nv -9 -1 4\nv 9 -1 4\nv 9 3 4\nv -9 3 4\nf 5 8 7 6\n";

@@ -7,7 +7,7 @@ use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 use std::path::Path;
 use std::process::Command;
 
-/// Returns the 32-bit floats of a file.
+/// Returns the 32-bit floats of a file, whose lowest bytes come first.
 fn numbers(path: &Path) -> Vec<f32> {
     std::fs::read(path).unwrap().as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
 }
@@ -16,10 +16,12 @@ fn numbers(path: &Path) -> Vec<f32> {
 /// from the example's right-handed view space and its projection with y down.
 fn gbuffer(images: &Path, [width, height]: [u32; 2]) -> GBufferData {
     let values = |name: &str| numbers(&images.join(format!("{name}.f32")));
+    // Two matrices, column by column: from view space to clip space, and from world space to view space.
     let camera = values("camera");
     let (clip, view) = camera.split_at(16);
-    let vectors =
-        |name: &str, z: f32| values(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
+    let vector = |texel: &[f32; 4], z_sign: f32| Vec3::new(texel[0], texel[1], z_sign * texel[2]);
+    let vectors = |name: &str, z_sign: f32| values(name).as_chunks::<4>().0.iter().map(|t| vector(t, z_sign)).collect();
+    // Channel 0 is the reflectivity, and channel 1 the roughness.
     let material: Vec<Vec3> = vectors("material", 1.0);
     let flip_z = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
     let kind = ProjectionKind::Perspective;

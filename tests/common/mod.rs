@@ -55,7 +55,7 @@ fn new_pool() -> Vec<Gpu> {
     (0..threads).map(|_| own_gpu()).collect()
 }
 
-/// A device of [`gpu`], which goes back to the pool when its test ends.
+/// A device of [`gpu`], which goes back to the pool when its test ends. It is `None` only while it is dropped.
 pub struct PooledGpu(Option<Gpu>);
 
 impl Deref for PooledGpu {
@@ -82,8 +82,11 @@ impl Drop for PooledGpu {
 /// A failure that is expected on a driver and is no fault of this program (`tests/expected_failures.toml`).
 #[derive(serde::Deserialize)]
 struct Expected {
+    /// The way of testing that fails, such as "gpu-assisted".
     mode: String,
+    /// A part of the driver's name, in small letters.
     driver: String,
+    /// The message or the test that fails.
     id: String,
     reason: String,
 }
@@ -95,10 +98,11 @@ pub fn expected_failures(mode: &str, gpu: &Gpu) -> Vec<String> {
         expected: Vec<Expected>,
     }
     let text = include_str!("../expected_failures.toml");
-    let all = toml::from_str::<File>(text).unwrap().expected;
-    assert!(all.iter().all(|e| !e.reason.trim().is_empty()), "a reason for each");
+    let failures = toml::from_str::<File>(text).unwrap().expected;
+    assert!(failures.iter().all(|e| !e.reason.trim().is_empty()), "a reason for each");
     let driver = gpu.info().driver.to_lowercase();
-    all.into_iter().filter(|e| e.mode == mode && driver.contains(&e.driver)).map(|e| e.id).collect()
+    let is_expected = |e: &Expected| e.mode == mode && driver.contains(&e.driver);
+    failures.into_iter().filter(is_expected).map(|e| e.id).collect()
 }
 
 /// Returns the share of pixels that may differ where images should be equal to the bit. It is 0 on the drivers that the
@@ -146,20 +150,20 @@ pub fn sponza() -> Option<Scene> {
     let file = shared_scenes()?.join("sponza/sponza.scene.toml");
     let folder = tempfile::tempdir().expect("a folder");
     let copy = folder.path().join("sponza.scene.toml");
-    let made = Command::new(repository().join("scripts/left_handed.sh")).arg(file).arg(&copy).status();
-    assert!(made.expect("the script runs").success());
+    let status = Command::new(repository().join("scripts/left_handed.sh")).arg(file).arg(&copy).status();
+    assert!(status.expect("the script runs").success());
     Some(scene_file::load(&copy, &LoadOptions::default()).expect("sponza"))
 }
 
 /// Returns a built-in scene. Each is made once for all tests of the program, since drawing its textures takes time.
 pub fn built_in(name: &str) -> Scene {
-    static MADE: Mutex<Vec<(String, Scene)>> = Mutex::new(Vec::new());
-    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, scene)) = made.iter().find(|(known, _)| known == name) {
+    static NAMED_SCENES: Mutex<Vec<(String, Scene)>> = Mutex::new(Vec::new());
+    let mut named_scenes = NAMED_SCENES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, scene)) = named_scenes.iter().find(|(known, _)| known == name) {
         return scene.clone();
     }
     let scene = library::scene(name).expect("a built-in scene");
-    made.push((name.to_owned(), scene.clone()));
+    named_scenes.push((name.to_owned(), scene.clone()));
     scene
 }
 
@@ -278,11 +282,10 @@ pub fn with_small_captures(setup: &Setup) -> Setup {
     setup.with(|p: &mut EffectParams| p.capture_side = CaptureSide::Side128)
 }
 
-/// Returns the values that a setup has for parameters of a method and of the effect, without those of kinds that
-/// `is_wanted` refuses.
+/// Returns what a record of a setup has for a method and the effect: names of parameters with their values as text. The
+/// preset and values that `is_wanted` refuses are left out.
 pub fn values(method: &MethodInfo, setup: &Setup, is_wanted: fn(&Value) -> bool) -> Vec<(&'static str, String)> {
-    let all = setup.recorded(Some(method)).into_iter();
-    let wanted = all.filter(|(name, value)| *name != "preset" && is_wanted(value));
+    let wanted = setup.recorded(Some(method)).into_iter().filter(|(name, value)| *name != "preset" && is_wanted(value));
     wanted.map(|(name, value)| (name, value.to_string())).collect()
 }
 
@@ -315,12 +318,13 @@ impl Shown {
 
     /// Returns all levels of the intermediate image of a name, whose own names are NAME, or NAME-0, NAME-1 and so on.
     pub fn levels(&self, name: &str) -> Vec<&Pixels> {
-        let all = self.image.intermediates.as_ref().unwrap();
+        let intermediates = self.image.intermediates.as_ref().unwrap();
         let is_level = |stem: &str| {
             stem == name
                 || stem.strip_prefix(name).and_then(|s| s.strip_prefix('-')).is_some_and(|n| n.parse::<u32>().is_ok())
         };
-        let levels: Vec<_> = all.iter().filter(|(stem, ..)| is_level(stem)).map(|(_, _, pixels)| pixels).collect();
+        let named = intermediates.iter().filter(|(stem, ..)| is_level(stem));
+        let levels: Vec<_> = named.map(|(_, _, pixels)| pixels).collect();
         assert!(!levels.is_empty(), "no intermediate {name}");
         levels
     }
@@ -354,7 +358,9 @@ pub fn show_with(
 /// each pixel.
 pub struct Truth {
     pub reflection: Pixels,
+    /// Linear RGB for each pixel, as the triangles say.
     pub world: Vec<Vec3>,
+    /// The surfaces that the pixels show, which are where the rays start.
     pub first_hits: FirstHits,
 }
 

@@ -10,7 +10,7 @@ pub const GLSL: [&str; 4] = ["glsl", "vert", "frag", "comp"];
 const SKIPPED: [&str; 4] = ["target", "corpus", "runs", "golden"];
 
 /// Returns the path, from the repository's root, and the text of each file that has one of the extensions. `places` are
-/// the files and folders of the repository in which they are looked for.
+/// the files and folders of the repository in which they are looked for; folders of made files are left out.
 pub fn texts(places: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
     let is_wanted = |path: &Path| path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted));
     let is_skipped = |path: &Path| path.file_name().is_some_and(|name| SKIPPED.iter().any(|skipped| name == *skipped));

@@ -244,6 +244,7 @@ fn names_after(code: &str, prefix: &str) -> Vec<String> {
     let mut names = Vec::new();
     for (offset, _) in code.match_indices(prefix) {
         let before = code[..offset].chars().next_back();
+        // A longer word or a longer path ends in the prefix.
         if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
             continue;
         }
@@ -299,7 +300,7 @@ fn wrong_imports(Source { package, path, code }: &Source) -> Vec<String> {
     found
 }
 
-/// Returns a sentence for each other pass that a pass imports.
+/// Returns a sentence for each other pass that the code of a pass imports; `passes` are the names of all passes.
 fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
     let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
     let wrong = |n: &String| passes.contains(n);
@@ -356,14 +357,12 @@ fn manifest(folder: &str) -> toml::Table {
 #[test]
 fn what_others_embed_depends_on_little() {
     let manifests = [manifest("."), manifest("ground")];
-    assert!(
-        manifests.iter().all(|m| !m.contains_key("target")),
-        "dependencies of one system count, too: count them here"
-    );
+    assert!(manifests.iter().all(|m| !m.contains_key("target")), "count dependencies of one system here, too");
     let keys = |table: &str| -> BTreeSet<String> {
         manifests.iter().filter_map(|m| m.get(table)?.as_table()).flat_map(|t| t.keys().cloned()).collect()
     };
     let mut names = keys("dependencies");
+    // The first builds trees over triangles, which few users need; the other is ours.
     names.retain(|n| n != "obvhs" && n != "ssct-ground");
     assert!(names.contains("ash") && names.len() <= MOST_DEPENDENCIES, "{}: {names:?}", names.len());
     for table in ["dependencies", "build-dependencies", "dev-dependencies"] {
@@ -404,6 +403,7 @@ fn one_file_writes_barriers_timestamps_and_labels() {
 #[test]
 fn unsafe_code_stays_in_gpu_at_the_door_and_in_the_window() {
     let mut found = 0;
+    // A name follows `unsafe` in `unsafe fn` and `unsafe impl`.
     for s in sources().iter().filter(|s| !names_after(&s.code, "unsafe").is_empty() || s.code.contains("unsafe {")) {
         let folders: &[&str] = match s.package {
             "src" => &["gpu", "embed"],

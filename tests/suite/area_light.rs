@@ -162,7 +162,7 @@ fn errors(shape: AreaShape, roughness: f32) -> (f64, f64) {
 
 /// Prints and bounds the errors of a shape. Each element of `bounds` is a roughness, the bound of the root mean square
 /// error, and the bound of the greatest error.
-fn holds(shape: AreaShape, bounds: [(f32, f64, f64); 4]) {
+fn check_errors(shape: AreaShape, bounds: [(f32, f64, f64); 4]) {
     for (roughness, rms_bound, most_bound) in bounds {
         let (rms, most) = errors(shape, roughness);
         println!("{shape:?}, roughness {roughness}: RMS {rms:.4}, greatest {most:.3}");
@@ -179,7 +179,7 @@ fn holds(shape: AreaShape, bounds: [(f32, f64, f64); 4]) {
 #[test]
 fn a_sphere_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Sphere { centre: Vec3::new(0.4, 1.2, 5.0), radius: 0.5 };
-    holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.08), (0.3, 0.04, 0.08), (0.8, 0.03, 0.08)]);
+    check_errors(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.08), (0.3, 0.04, 0.08), (0.8, 0.03, 0.08)]);
 }
 
 /// The highlight of a thin slanting capsule over the floor equals the quadrature within the bounds, at four
@@ -187,7 +187,7 @@ fn a_sphere_fills_its_share_of_the_lobe() {
 #[test]
 fn a_capsule_fills_its_share_of_the_lobe() {
     let shape = AreaShape::Capsule { a: Vec3::new(-1.5, 0.8, 4.0), b: Vec3::new(1.0, 1.6, 6.0), radius: 0.15 };
-    holds(shape, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
+    check_errors(shape, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
 }
 
 /// The highlight of a rectangle that faces the camera at an angle equals the quadrature within the bounds, at four
@@ -199,7 +199,7 @@ fn a_rectangle_fills_its_share_of_the_lobe() {
         half_u: Vec3::new(1.0, 0.0, 0.4),
         half_v: Vec3::new(0.0, -0.6, 0.0),
     };
-    holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.1), (0.3, 0.04, 0.1), (0.8, 0.04, 0.1)]);
+    check_errors(shape, [(0.02, 0.05, 0.3), (0.1, 0.04, 0.1), (0.3, 0.04, 0.1), (0.8, 0.04, 0.1)]);
 }
 
 /// Two cylinders at four roughnesses each: their highlights equal the quadrature. The thick one has wider bounds, since
@@ -207,10 +207,10 @@ fn a_rectangle_fills_its_share_of_the_lobe() {
 #[test]
 fn a_cylinder_fills_its_share_of_the_lobe() {
     let thin = AreaShape::Cylinder { a: Vec3::new(-1.5, 0.8, 4.0), b: Vec3::new(1.0, 1.6, 6.0), radius: 0.15 };
-    holds(thin, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
+    check_errors(thin, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
     // A cylinder that is as wide as it is long, seen from one of its ends.
     let thick = AreaShape::Cylinder { a: Vec3::new(0.2, 1.2, 4.5), b: Vec3::new(0.6, 1.4, 5.5), radius: 0.5 };
-    holds(thick, [(0.02, 0.15, 0.7), (0.1, 0.09, 0.4), (0.3, 0.06, 0.25), (0.8, 0.03, 0.15)]);
+    check_errors(thick, [(0.02, 0.15, 0.7), (0.1, 0.09, 0.4), (0.3, 0.06, 0.25), (0.8, 0.03, 0.15)]);
 }
 
 /// The highlight of a turned box over the floor equals the quadrature within the bounds, at four roughnesses. The
@@ -223,7 +223,7 @@ fn a_cuboid_fills_its_share_of_the_lobe() {
         half_v: Vec3::new(0.0, 0.4, 0.0),
         half_w: 0.35,
     };
-    holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.05, 0.2), (0.3, 0.06, 0.25), (0.8, 0.04, 0.1)]);
+    check_errors(shape, [(0.02, 0.05, 0.3), (0.1, 0.05, 0.2), (0.3, 0.06, 0.25), (0.8, 0.04, 0.1)]);
 }
 
 /// A capsule and a cylinder behind the camera give no highlight. Each crosses the plane of a ray behind the ray's
@@ -250,7 +250,7 @@ fn a_tube_behind_the_viewer_is_not_seen() {
 #[test]
 fn a_light_half_below_the_horizon_gives_what_is_above_it() {
     let shape = AreaShape::Sphere { centre: Vec3::new(0.0, 0.3, 25.0), radius: 3.0 };
-    holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.06, 0.2), (0.3, 0.06, 0.2), (0.8, 0.06, 0.2)]);
+    check_errors(shape, [(0.02, 0.05, 0.3), (0.1, 0.06, 0.2), (0.3, 0.06, 0.2), (0.8, 0.06, 0.2)]);
 }
 
 /// On a floor of roughness 0, a pixel is bright exactly where its mirror ray meets the light, for each kind of shape.

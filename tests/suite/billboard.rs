@@ -130,12 +130,12 @@ fn what_hides_the_thing_hides_its_impostor_with_occlusion() {
 #[test]
 fn the_printed_order_is_that_of_the_list() {
     let gpu = gpu();
+    // The number of pixels that show an impostor.
     let count = |scene: &Scene, order| {
         let seen = see(&gpu, scene, order, Occlusion::None);
         seen.reflection.texels().filter(|t| t[3] > 0.0).count()
     };
-    let one = scene(false);
-    let whole = count(&one, Order::Printed);
+    let whole = count(&scene(false), Order::Printed);
     // A second impostor, behind the camera and first in the list: the printed loop ends with it and shows nothing.
     let mut behind = scene(false);
     let back = Impostor { centre: Vec3::new(0.0, 1.5, -20.0), ..behind.impostors[0].clone() };
@@ -148,8 +148,8 @@ fn the_printed_order_is_that_of_the_list() {
     let clear = Texture { rgba: vec![0; 256], ..before.textures[1].clone() };
     before.textures.push(clear);
     before.impostors.push(Impostor { centre: CENTRE - Vec3::Z, texture: 2, ..before.impostors[0].clone() });
-    let left = count(&before, Order::Printed);
-    assert!(left < whole / 2, "{left} of {whole}");
+    let remaining = count(&before, Order::Printed);
+    assert!(remaining < whole / 2, "{remaining} of {whole}");
     assert_eq!(count(&before, Order::Nearest), whole);
 }
 
@@ -171,8 +171,8 @@ fn a_blur_widens_with_roughness_and_with_the_way_from_the_viewer() {
     let contrast = |pixels: &Pixels| {
         let texels: Vec<_> = pixels.texels().collect();
         let pairs = texels.windows(2).filter(|p| p[0][3] > 0.0 && p[1][3] > 0.0);
-        let all: Vec<f32> = pairs.map(|p| (0..3).map(|c| (p[0][c] - p[1][c]).abs()).sum()).collect();
-        all.iter().sum::<f32>() / all.len() as f32
+        let differences: Vec<f32> = pairs.map(|p| (0..3).map(|c| (p[0][c] - p[1][c]).abs()).sum()).collect();
+        differences.iter().sum::<f32>() / differences.len() as f32
     };
     let sharp = image(Blur::None, 0.3);
     assert_eq!(sharp, image(Blur::None, 0.0), "as published, roughness has no say");

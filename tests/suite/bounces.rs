@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 /// Size of the image in pixels.
 const EXTENT: [u32; 2] = [161, 97];
 /// The reflectivity of both mirrors.
-const SHARE: f32 = 0.8;
+const REFLECTIVITY: f32 = 0.8;
 
 /// Returns two mirrors that face each other across a corridor, over a floor of stripes, with a board at the corridor's
 /// end.
@@ -31,7 +31,7 @@ fn facing_mirrors(roughness: f32) -> Scene {
     b.light(Vec3::new(0.0, -1.0, 0.4));
     let mirror = b.material(Material {
         albedo: Vec3::new(0.3, 0.2, 0.4),
-        reflectivity: SHARE,
+        reflectivity: REFLECTIVITY,
         roughness,
         ..Material::default()
     });
@@ -48,7 +48,7 @@ fn facing_mirrors(roughness: f32) -> Scene {
 }
 
 /// Returns a camera at one end of the corridor that looks along it.
-fn look() -> Camera {
+fn corridor_camera() -> Camera {
     camera(Vec3::new(0.2, 1.4, 0.0), Vec3::new(0.0, 1.2, 6.0), EXTENT)
 }
 
@@ -63,7 +63,7 @@ fn shot(stage: &mut Stage, scene: &Scene, view: Camera, method: &str, setup: &Se
 }
 
 /// Draws a scene and returns its G-buffer.
-fn seen(gpu: &Gpu, scene: &Scene, view: Camera) -> GBufferData {
+fn draw_gbuffer(gpu: &Gpu, scene: &Scene, view: Camera) -> GBufferData {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let shot = shot(&mut stage, scene, view, "linear", &bounces(1));
     stage.draw(&shot).unwrap();
@@ -72,7 +72,12 @@ fn seen(gpu: &Gpu, scene: &Scene, view: Camera) -> GBufferData {
 
 /// Runs a method on a G-buffer alone. Returns the reflection with the fade in the fourth channel, the finished image,
 /// and the report of the frame.
-fn made(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup) -> (Vec<[f32; 4]>, Vec<Vec3>, FrameReport) {
+fn run_on_gbuffer(
+    gpu: &Gpu,
+    data: &GBufferData,
+    method: &MethodInfo,
+    setup: &Setup,
+) -> (Vec<[f32; 4]>, Vec<Vec3>, FrameReport) {
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let effect = Effect::new(&mut context, method, setup, Wants::REFLECTION, None).unwrap();
@@ -108,12 +113,12 @@ fn screen_space() -> impl Iterator<Item = &'static MethodInfo> {
 fn a_bounce_reflects_the_image_with_the_one_before_in_it() {
     let gpu = gpu();
     for roughness in [0.0, 0.15] {
-        let data = seen(&gpu, &facing_mirrors(roughness), look());
+        let data = draw_gbuffer(&gpu, &facing_mirrors(roughness), corridor_camera());
         for method in screen_space() {
-            let (two, image, _) = made(&gpu, &data, method, &bounces(2));
-            let (one, ..) = made(&gpu, &data, method, &bounces(1));
+            let (two, image, _) = run_on_gbuffer(&gpu, &data, method, &bounces(2));
+            let (one, ..) = run_on_gbuffer(&gpu, &data, method, &bounces(1));
             let with_first_bounce = GBufferData { color: composite(&data, &one), ..data.clone() };
-            let (expected, ..) = made(&gpu, &with_first_bounce, method, &bounces(1));
+            let (expected, ..) = run_on_gbuffer(&gpu, &with_first_bounce, method, &bounces(1));
             let greatest_difference = |a: &[[f32; 4]], b: &[[f32; 4]]| {
                 let off = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs());
                 off.fold(0.0_f32, f32::max)
@@ -139,10 +144,10 @@ fn a_bounce_reflects_the_image_with_the_one_before_in_it() {
 fn light_between_mirrors_grows_as_far_as_they_reflect_it() {
     let gpu = gpu();
     for roughness in [0.0, 0.15] {
-        let data = seen(&gpu, &facing_mirrors(roughness), look());
+        let data = draw_gbuffer(&gpu, &facing_mirrors(roughness), corridor_camera());
         let brightest = data.color.iter().map(|c| c.max_element()).fold(0.0, f32::max);
         for method in screen_space() {
-            let images = [1, 2, 3, 8].map(|n| (n, made(&gpu, &data, method, &bounces(n)).1));
+            let images = [1, 2, 3, 8].map(|n| (n, run_on_gbuffer(&gpu, &data, method, &bounces(n)).1));
             let mean = |image: &[Vec3]| image.iter().map(|c| c.element_sum()).sum::<f32>() / image.len() as f32;
             let means: Vec<f32> = images.iter().map(|(_, image)| mean(image)).collect();
             println!("{} at {roughness}: {means:?}", method.name);
@@ -150,7 +155,7 @@ fn light_between_mirrors_grows_as_far_as_they_reflect_it() {
             assert!(means.windows(2).all(|m| m[1] >= m[0]), "{}: {means:?}", method.name);
             for (n, image) in &images {
                 // The limit is L (1 + r + … + rⁿ) = L (1 − rⁿ⁺¹) / (1 − r), plus 1 % for the rounding of 16-bit floats.
-                let most = brightest * (1.0 - SHARE.powi(*n as i32 + 1)) / (1.0 - SHARE) * 1.01;
+                let most = brightest * (1.0 - REFLECTIVITY.powi(*n as i32 + 1)) / (1.0 - REFLECTIVITY) * 1.01;
                 let brightest_found = image.iter().map(|c| c.max_element()).fold(0.0, f32::max);
                 assert!(brightest_found <= most, "{} with {n} bounces: {brightest_found} above {most}", method.name);
             }
@@ -163,8 +168,8 @@ fn light_between_mirrors_grows_as_far_as_they_reflect_it() {
 #[test]
 fn passes_that_read_no_colour_are_recorded_once() {
     let gpu = gpu();
-    let data = seen(&gpu, &facing_mirrors(0.15), look());
-    let recorded = |method: &str, setup: &Setup| made(&gpu, &data, find(method).unwrap(), setup).2.recorded;
+    let data = draw_gbuffer(&gpu, &facing_mirrors(0.15), corridor_camera());
+    let recorded = |method: &str, setup: &Setup| run_on_gbuffer(&gpu, &data, find(method).unwrap(), setup).2.recorded;
     let split = |n| bounces(n).with(|p: &mut ThesisDrawing| p.split = true);
     for (method, setup, shared_passes) in [
         ("ssct", bounces as fn(u32) -> Setup, &["depth", "hi-z/1", "visibility/1"] as &[&str]),
@@ -202,10 +207,10 @@ fn truth(data: &GBufferData, bounces: u32) -> Vec<[f32; 3]> {
 #[test]
 fn bounces_bring_the_image_nearer_to_light_that_is_reflected_as_often() {
     let gpu = gpu();
-    let data = seen(&gpu, &facing_mirrors(0.0), look());
+    let data = draw_gbuffer(&gpu, &facing_mirrors(0.0), corridor_camera());
     let unfaded = |n| bounces(n).with(|p: &mut EffectParams| p.fade = false);
     let image_with = |n| {
-        let (reflection, ..) = made(&gpu, &data, find("unified").unwrap(), &unfaded(n));
+        let (reflection, ..) = run_on_gbuffer(&gpu, &data, find("unified").unwrap(), &unfaded(n));
         reflection.iter().map(|r| [r[0], r[1], r[2]]).collect::<Vec<_>>()
     };
     let (one, three) = (image_with(1), image_with(3));
@@ -239,7 +244,7 @@ fn bounces_work_with_all_that_stands_around_a_method() {
         image.values.iter().map(|v| f64::from(*v)).sum::<f64>() / image.values.len() as f64
     };
     type Change = fn(&mut EffectParams);
-    let around: [(&str, &str, Change); 7] = [
+    let additions: [(&str, &str, Change); 7] = [
         ("unified", "history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)),
         ("ssct", "environment", |p| p.fallback = Fallback::Environment),
         ("ssct", "captures behind", |p| p.fallback = Fallback::Captures),
@@ -248,7 +253,7 @@ fn bounces_work_with_all_that_stands_around_a_method() {
         ("ssct", "quarter resolution", |p| p.resolution_scale = 0.25),
         ("ssct", "bumps", |p| (p.trace_normals, p.bump_after) = (TraceNormals::Geometric, 0.1)),
     ];
-    for (method, name, change) in around {
+    for (method, name, change) in additions {
         let [one, three] = [1, 3].map(|n| mean(method, n, &change));
         println!("{method} with {name}: {one:.4}, {three:.4}");
         assert!(three > one + 0.002 && three < 2.0 * one, "{method} with {name}: {one}, {three}");
@@ -264,7 +269,8 @@ fn what_sees_more_than_the_screen_has_no_bounces() {
     let scene = facing_mirrors(0.0);
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
-        let shot = Shot::new(&mut stage, method, &bounces(2), Wants::REFLECTION, look(), scene.materials.clone());
+        let shot =
+            Shot::new(&mut stage, method, &bounces(2), Wants::REFLECTION, corridor_camera(), scene.materials.clone());
         let Some(Error::Usage(message)) = shot.err() else { panic!("{} takes bounces", method.name) };
         assert!(message.contains("bounces") && message.contains(method.name), "{message}");
     }

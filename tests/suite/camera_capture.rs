@@ -51,9 +51,8 @@ fn farthest(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// For each of three cameras one after another, the frame equals that with a capture which stands still at that camera,
-/// and does not depend on the frames before it. The six faces are further passes. A face kept from an earlier camera
-/// would show.
+/// A frame with a capture at the camera equals one with a capture that stands still there, for each of three cameras in
+/// turn. A face kept from an earlier camera would show. The six faces are further passes.
 #[test]
 fn it_follows_the_camera() {
     let gpu = gpu();
@@ -177,16 +176,16 @@ fn a_mirror_shows_what_is_behind_the_camera_where_it_is() {
     check_validation(&gpu).unwrap();
 }
 
-/// After the first frame, four frames of a moving camera allocate no Vulkan object. Images that are made anew in each
-/// frame would cost time and fill the memory.
+/// With a capture at a moving camera, four frames after the first one allocate no Vulkan object. Images that are made
+/// anew in each frame would cost time and fill the memory.
 #[test]
 fn it_makes_no_object_in_the_steady_state() {
     let watch = Arc::<Watch>::default();
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let with = setup(CaptureCount::Camera, Fallback::None);
-    let mut following = shot(&mut stage, &scene, "unified", clutter_camera(EXTENT), &with, Wants::IMAGE);
+    let following_setup = setup(CaptureCount::Camera, Fallback::None);
+    let mut following = shot(&mut stage, &scene, "unified", clutter_camera(EXTENT), &following_setup, Wants::IMAGE);
     frame(&mut stage, &following);
     watch.arm(None);
     for n in 0..4 {

@@ -132,7 +132,7 @@ fn check_twin(drawn: &Drawn) -> Count {
         let is_right = match screen_end {
             ScreenRayEnd::NoRay => true,
             ScreenRayEnd::Sky => code == PATH_SKY,
-            ScreenRayEnd::Hit(hit) => of_hit(found, &screen, &hit),
+            ScreenRayEnd::Hit(hit) => is_screen_hit(found, &screen, &hit),
             ScreenRayEnd::Lost(ray) => {
                 let capture_end = twin.trace_captures(&ray);
                 count.followed += 1;
@@ -155,13 +155,11 @@ fn check_twin(drawn: &Drawn) -> Count {
             }
         };
         if !is_right {
-            wrong.push(format!(
-                "({x}, {y}): {found:?}, {screen_end:?}, {:?}",
-                match screen_end {
-                    ScreenRayEnd::Lost(ray) => Some(twin.trace_captures(&ray)),
-                    _ => None,
-                }
-            ));
+            let capture_end = match screen_end {
+                ScreenRayEnd::Lost(ray) => Some(twin.trace_captures(&ray)),
+                _ => None,
+            };
+            wrong.push(format!("({x}, {y}): {found:?}, {screen_end:?}, {capture_end:?}"));
         }
     }
     let first_wrong = wrong[..wrong.len().min(6)].join("\n");
@@ -171,7 +169,7 @@ fn check_twin(drawn: &Drawn) -> Count {
 
 /// Returns whether a texel of the device has the code of a hit on the screen and the place of the twin's hit, bit by
 /// bit.
-fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct_truth::reference::unified::Hit) -> bool {
+fn is_screen_hit(found: &[f32], screen: &Traversal, hit: &ssct_truth::reference::unified::Hit) -> bool {
     let uv = hit.position * screen.parameters.pixel_to_clip;
     let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
     PathCode::from_channel(found[3]) == Some(PathCode::HiZ) && bits == [0, 1, 2].map(|c| found[c].to_bits())
@@ -202,6 +200,7 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let images = ImageOracle::new(data, &drawn.captures).with_bounds(drawn.bounds);
     let screen = Traversal::new(data).followed();
     let twin = CaptureTraversal::new(&data.camera, &drawn.captures).with_bounds(drawn.bounds);
+    // For a pixel whose ray is followed: whether the ray is a tie, and a sentence if it ends elsewhere.
     let compare = |i: usize| {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         let found = drawn.hits.texel(x, y);
@@ -224,9 +223,9 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
             format!("({x}, {y}): {found:?}, {:?}, oracle: {on_screen:?}, {truth:?}", twin.trace_screen(&screen, x, y));
         Some((is_tie, (!is_tie).then_some(description)))
     };
-    let all: Vec<_> = (0..data.depth.len()).into_par_iter().filter_map(compare).collect();
-    let ties = all.iter().filter(|(is_tie, _)| *is_tie).count();
-    (all.len(), ties, all.into_iter().filter_map(|(_, wrong)| wrong).collect())
+    let followed: Vec<_> = (0..data.depth.len()).into_par_iter().filter_map(compare).collect();
+    let ties = followed.iter().filter(|(is_tie, _)| *is_tie).count();
+    (followed.len(), ties, followed.into_iter().filter_map(|(_, wrong)| wrong).collect())
 }
 
 /// Returns a scene without its images, which rays do not read.
@@ -244,7 +243,7 @@ fn without_images(mut scene: Scene) -> Scene {
 /// Returns scenes with captures, each with a name, a view and a size in pixels: many captures and few, fine and coarse
 /// faces, hard places, and very small and large scenes.
 fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
-    let mut all = Vec::new();
+    let mut cases = Vec::new();
     let [rooms, atrium, street] =
         ["rooms", "atrium", "street"].map(|name| without_images(crate::common::built_in(name)));
     // Size of the image, texels along a side of a face, and number of captures.
@@ -261,25 +260,25 @@ fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
         for (extent, side, count) in kinds {
             let scene = with_captures(scene.clone(), &places[..count], side);
             let name = format!("{} {} {extent:?}, {count} of {side}", scene.name, view.name);
-            all.push((name, scene, view.clone(), extent));
+            cases.push((name, scene, view.clone(), extent));
         }
     }
     let view = View { eye: Vec3::new(0.0, 1.4, 0.0), look_at: Vec3::new(0.0, 1.0, 6.0), ..View::default() };
     let places = [Vec3::new(0.0, 1.5, 4.0), Vec3::new(-2.0, 3.0, 9.0)];
     for side in [1, 2, 128] {
-        all.push((format!("clutter, {side}"), with_captures(clutter(), &places, side), view.clone(), [97, 61]));
+        cases.push((format!("clutter, {side}"), with_captures(clutter(), &places, side), view.clone(), [97, 61]));
     }
     // Captures at the eye, on the floor, and below the floor, from where nothing of the room is seen.
     let hard = with_captures(clutter(), &[view.eye, Vec3::new(0.5, 0.0, 4.0), Vec3::new(0.0, -0.5, 3.0)], 33);
-    all.push(("clutter, 3 of 33 in hard places".into(), hard.clone(), view.clone(), [97, 61]));
+    cases.push(("clutter, 3 of 33 in hard places".into(), hard.clone(), view.clone(), [97, 61]));
     for factor in [1e-3, 1e3] {
         let mut scene = Scene { views: vec![view.clone()], ..hard.clone() };
         scene.scale(factor);
         scene.lens = Lens::default().scaled(factor);
         let view = scene.views[0].clone();
-        all.push((format!("clutter times {factor}"), scene, view, [97, 61]));
+        cases.push((format!("clutter times {factor}"), scene, view, [97, 61]));
     }
-    all
+    cases
 }
 
 /// Over all scenes of `cases`, each pixel has the twin's path code and place, bit by bit. More than 5000 rays are
@@ -412,21 +411,13 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
         // The direction of a point of the wall from the capture, and the width of a texel there.
         let from_capture = |wall: DVec2| DVec3::new(wall.x, wall.y, 8.0) - place.as_dvec3();
         let texel_m = |wall: DVec2| 2.0 * from_capture(wall).abs().max_element() / f64::from(resolution);
-        let face = |wall: DVec2| {
-            let a = from_capture(wall).abs();
-            if a.x > a.y.max(a.z) {
-                0
-            } else if a.y > a.z {
-                1
-            } else {
-                2
-            }
-        };
+        // The axis of the face that shows a point: that in which the point lies farthest away.
+        let face_axis = |wall: DVec2| from_capture(wall).abs().max_position();
         for (i, wall_sample) in wall_samples.iter().enumerate() {
             let &Some((wall, code, error)) = wall_sample else { continue };
             assert!([PathCode::HiZ, PathCode::Capture].contains(&code), "{wall}: {code:?}");
             // A face sees the wall at an angle, which lengthens its texels on the wall. The footprint of a ray widens
-            // with the distance from the eye.
+            // with the distance from the eye's mirror image; 37° are half of the field of view.
             let direction = from_capture(wall);
             let footprint_m = 2.0 * 37_f64.to_radians().tan() / f64::from(drawn.data.height)
                 * DVec3::new(wall.x, wall.y + 1.6, 8.0).length();
@@ -435,14 +426,15 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                 _ => [0.0, 1.0],
             };
             let allowed = (texel_m * slope + footprint_m) / WALL[1] + ROUNDING;
-            worst[usize::from(code == PathCode::Capture)] = worst[usize::from(code == PathCode::Capture)].max(error);
+            let kind = usize::from(code == PathCode::Capture);
+            worst[kind] = worst[kind].max(error);
             assert!(error <= allowed, "{wall}, {code:?}: off by {error}, {allowed} allowed");
             let blue = f64::from(drawn.reflection.texel((i % width) as u32, (i / width) as u32)[2]);
-            let place = (wall + DVec2::new(20.0, 0.0)) / CELL;
-            let edge = ((place - place.round()).abs().min_element() * CELL).abs();
+            let in_cells = (wall + DVec2::new(20.0, 0.0)) / CELL;
+            let edge_distance_m = (in_cells - in_cells.round()).abs().min_element() * CELL;
             // The coarser of two levels of the colour's chain has texels up to twice as wide as the footprint.
-            if edge > 2.0 * texel_m.max(footprint_m) * slope + 0.05 {
-                let expected = f64::from(u8::from((place.x.floor() + place.y.floor()) % 2.0 == 0.0));
+            if edge_distance_m > 2.0 * texel_m.max(footprint_m) * slope + 0.05 {
+                let expected = f64::from(u8::from((in_cells.x.floor() + in_cells.y.floor()) % 2.0 == 0.0));
                 assert!((blue - expected).abs() < 0.1, "{wall}, {code:?}: blue {blue}");
                 cells += 1;
             }
@@ -453,7 +445,8 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
                     continue;
                 }
                 let is_seam = code != other_code;
-                let between_faces = code == PathCode::Capture && code == other_code && face(wall) != face(other);
+                let between_faces =
+                    code == PathCode::Capture && code == other_code && face_axis(wall) != face_axis(other);
                 if is_seam || between_faces {
                     let colors = [i, next].map(|i| drawn.reflection.texel((i % width) as u32, (i / width) as u32));
                     let hit = [i, next].map(|i| drawn.hits.texel((i % width) as u32, (i / width) as u32));
@@ -479,6 +472,7 @@ fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
     let gpu = gpu();
     let scene = crate::common::built_in("corridor");
     let (view, extent) = (&scene.views[0], [160, 90]);
+    // The reflection and the finished image with a fallback.
     let images = |fallback| {
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
@@ -491,12 +485,12 @@ fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
         (reflection, stage.context.read(output.composite.level(0)).unwrap())
     };
     let ((alone, screen), (_, captured)) = (images(Fallback::None), images(Fallback::Captures));
-    let mut shown = 0;
+    let mut unfaded = 0;
     for ((reflection, screen), captured) in alone.texels().zip(screen.texels()).zip(captured.texels()) {
         if reflection[3] == 1.0 {
-            shown += 1;
+            unfaded += 1;
             assert!((0..3).all(|c| (screen[c] - captured[c]).abs() < 2e-3), "{screen:?} became {captured:?}");
         }
     }
-    assert!(shown > 1000, "{shown}");
+    assert!(unfaded > 1000, "{unfaded}");
 }

@@ -65,9 +65,9 @@ fn check_depth(shown: &Shown) {
     assert_eq!(levels.len(), twin.len(), "{extent:?}");
     for (n, (gpu, cpu)) in levels.iter().zip(&twin).enumerate() {
         assert_eq!((gpu.width, gpu.height), (cpu.width, cpu.height), "{extent:?}, level {n}");
-        for (i, (g, c)) in gpu.texels().zip(&cpu.texels).enumerate() {
-            let bits = [g[0].to_bits(), g[1].to_bits()];
-            assert_eq!(bits, [c.min.to_bits(), c.max.to_bits()], "{extent:?}, level {n}, texel {i}");
+        for (i, (found, expected)) in gpu.texels().zip(&cpu.texels).enumerate() {
+            let bits = [found[0].to_bits(), found[1].to_bits()];
+            assert_eq!(bits, [expected.min.to_bits(), expected.max.to_bits()], "{extent:?}, level {n}, texel {i}");
         }
     }
 }
@@ -187,9 +187,9 @@ fn a_visibility_chain_from_end_to_end_stays_within_a_step_a_level() {
     }
 }
 
-/// Returns one step of a 16-bit float at a value: 1/1024 of it. Rounding to 16 bits moves a value by at most half a
-/// step, and two roundings by at most one.
-fn half_step(value: f32) -> f32 {
+/// Returns the greatest step between 16-bit floats near a value: 1/1024 of it. Rounding to 16 bits moves a value by at
+/// most half a step, and two roundings by at most one.
+fn float_step(value: f32) -> f32 {
     (value.abs() / 1024.0).max(6e-8)
 }
 
@@ -213,7 +213,7 @@ fn blits_of_even_levels_are_box_averages() {
                     let box_average = 0.25 * (texel(0, 0) + texel(1, 0) + texel(0, 1) + texel(1, 1));
                     let found = here.texel(x, y)[c];
                     assert!(
-                        (found - box_average).abs() <= half_step(box_average),
+                        (found - box_average).abs() <= float_step(box_average),
                         "{extent:?}, level {n}, ({x}, {y}): {found} against {box_average}"
                     );
                 }
@@ -249,8 +249,8 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
     let gpu = gpu();
     let mut context = FrameContext::new(&gpu).unwrap();
     let pass = ColorChainPass::in_few_passes(&gpu).unwrap();
-    // An image of 128 pixels or more has at least seven levels above the first. For smaller images, blits make all
-    // levels.
+    // Each size has the levels that the one dispatch makes. An image with a side of 128 pixels or more has at least
+    // seven levels above the first. For smaller images, blits make all levels.
     for (extent, coarse) in [
         ([127, 61], 7..7),
         ([128, 1], 1..8),
@@ -277,7 +277,7 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
                 let (u, v) = ((x as f32 + 0.5) / here.width as f32, (y as f32 + 0.5) / here.height as f32);
                 for (found, twin) in here.texel(x, y).iter().zip(bilinear(&below, u, v)) {
                     assert!(
-                        (found - twin).abs() <= half_step(twin),
+                        (found - twin).abs() <= float_step(twin),
                         "{extent:?}, level {level}, ({x}, {y}): {found} against {twin}"
                     );
                 }
@@ -317,7 +317,7 @@ fn a_chain_without_sky_is_made_of_what_is_lit() {
             let (u, v) = ((x as f32 + 0.5) / coarser.width as f32, (y as f32 + 0.5) / coarser.height as f32);
             for (found, twin) in coarser.texel(x, y).iter().zip(bilinear(&finest, u, v)) {
                 // Device and twin round the place of the sample to a part of a texel, between colours of up to 1.
-                let bound = half_step(twin) + extent[0] as f32 * f32::EPSILON;
+                let bound = float_step(twin) + extent[0] as f32 * f32::EPSILON;
                 assert!((found - twin).abs() <= bound, "{extent:?}, ({x}, {y}): {found} against {twin}");
             }
         }
@@ -341,10 +341,11 @@ fn gaussian_chains_equal_their_twin() {
             let across = blur(below, w, h, [1.0 / w as f32, 0.0]);
             let twin = blur(&across, w, h, [0.0, 1.0 / h as f32]);
             let brightest = below.values.iter().copied().fold(0.0, f32::max);
-            for (i, (g, c)) in here.texels().zip(twin.texels()).enumerate() {
-                for (g, c) in g.iter().zip(c) {
-                    let tolerance = 2.0 * half_step(*c) + 2.0 * brightest / 512.0;
-                    assert!((g - c).abs() <= tolerance, "{extent:?}, level {n}, texel {i}: {g} against {c}");
+            for (i, (texel, twin_texel)) in here.texels().zip(twin.texels()).enumerate() {
+                for (found, expected) in texel.iter().zip(twin_texel) {
+                    let tolerance = 2.0 * float_step(*expected) + 2.0 * brightest / 512.0;
+                    let difference = (found - expected).abs();
+                    assert!(difference <= tolerance, "{extent:?}, level {n}, texel {i}: {found} against {expected}");
                 }
             }
         }
@@ -375,8 +376,8 @@ fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx
         for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
             let (tap_x, tap_y) = (x + tap * dx, y + tap * dy);
             let is_read = counts(depth_of(x, y), depth_of(tap_x, tap_y));
-            let read = if is_read { sample(tap_x, tap_y) } else { sample(x, y) };
-            sum = [0, 1, 2].map(|c| sum[c] + weight * read[c]);
+            let color = if is_read { sample(tap_x, tap_y) } else { sample(x, y) };
+            sum = [0, 1, 2].map(|c| sum[c] + weight * color[c]);
         }
         values.extend(sum);
     }
@@ -399,6 +400,7 @@ fn masked_gaussian_chains_equal_their_twin() {
         let shown = show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default());
         let plain = render(&gpu, extent, ChainFilter::Gaussian);
         let lens = shown.camera.lens;
+        // The view depth in metres at a standard depth.
         let z = |depth: f32| lens.near_m * lens.far_m / (lens.far_m - depth * (lens.far_m - lens.near_m));
         let counts = |middle: f32, tap: f32| match mask {
             ChainMask::Covered => tap < 1.0,
@@ -411,12 +413,12 @@ fn masked_gaussian_chains_equal_their_twin() {
             let across = masked(below, depths[n], &counts, [1, 0]);
             let twin = masked(&across, depths[n], &counts, [0, 1]);
             let brightest = below.values.iter().copied().fold(0.0, f32::max);
-            for (i, (g, c)) in here.texels().zip(twin.texels()).enumerate() {
-                let tolerance = |c: f32| 2.0 * half_step(c) + 2.0 * brightest / 512.0;
+            let unmasked_level = plain.levels("color")[n];
+            for ((found, expected), unmasked) in here.texels().zip(twin.texels()).zip(unmasked_level.texels()) {
+                let tolerance = |value: f32| 2.0 * float_step(value) + 2.0 * brightest / 512.0;
                 texels += 1;
-                differing += usize::from((0..3).any(|k| (g[k] - c[k]).abs() > tolerance(c[k])));
-                let unmasked = plain.levels("color")[n].texels().nth(i).unwrap();
-                left_out += usize::from((0..3).any(|k| (g[k] - unmasked[k]).abs() > 0.05));
+                differing += usize::from((0..3).any(|c| (found[c] - expected[c]).abs() > tolerance(expected[c])));
+                left_out += usize::from((0..3).any(|c| (found[c] - unmasked[c]).abs() > 0.05));
             }
         }
         println!(

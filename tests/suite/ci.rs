@@ -45,16 +45,16 @@ fn the_workflow_makes_targets_that_exist() {
     let (workflow, targets) = (workflow(), targets());
     let jobs = jobs(&workflow);
     let commands = jobs.iter().flat_map(|(_, job)| commands(job));
-    let made: Vec<&str> = commands
+    let made_targets: Vec<&str> = commands
         .filter_map(|c| c.strip_prefix("make "))
         .flat_map(str::split_whitespace)
         .filter(|w| !w.contains('='))
         .collect();
-    for target in &made {
+    for target in &made_targets {
         assert!(targets.contains(*target), "make {target}: the Makefile has {targets:?}");
     }
     for needed in ["test", "lint", "library", "test-cluster", "test-snakemake"] {
-        assert!(made.contains(&needed), "the workflow does not make {needed}");
+        assert!(made_targets.contains(&needed), "the workflow does not make {needed}");
     }
 }
 
@@ -62,18 +62,18 @@ fn the_workflow_makes_targets_that_exist() {
 /// and leaves no file, so that no job of a wrong run enters a queue.
 #[test]
 fn scripts_are_whole_and_refuse_wrong_arguments() {
-    let scripts = repository().join("scripts");
+    let root = repository().join("scripts");
     let scripts_in = |folder: &str| {
-        let entries = std::fs::read_dir(scripts.join(folder)).unwrap().map(|e| e.unwrap().path());
+        let entries = std::fs::read_dir(root.join(folder)).unwrap().map(|e| e.unwrap().path());
         entries.filter(|p| p.extension().is_some_and(|e| e == "sh")).collect::<Vec<_>>()
     };
-    let all = [scripts_in(""), scripts_in("cluster")].concat();
-    assert!(all.len() > 8, "{all:?}");
-    for script in all {
+    let scripts = [scripts_in(""), scripts_in("cluster")].concat();
+    assert!(scripts.len() > 8, "{scripts:?}");
+    for script in scripts {
         let output = Command::new("bash").arg("-n").arg(&script).output().unwrap();
         assert!(output.status.success(), "{}: {}", script.display(), String::from_utf8_lossy(&output.stderr));
     }
-    let submit = scripts.join("cluster/submit.sh");
+    let submit = root.join("cluster/submit.sh");
     for (args, words) in [
         (&["--tasks", "2", "-o", "x"][..], "no command"),
         (
@@ -100,7 +100,7 @@ fn scripts_are_whole_and_refuse_wrong_arguments() {
 /// of `drivers.sh` is refused before anything is fetched.
 #[test]
 fn every_script_says_what_it_is_for() {
-    let mut seen = 0;
+    let mut tried = 0;
     for folder in ["scripts", "scripts/cluster"] {
         for entry in std::fs::read_dir(repository().join(folder)).unwrap() {
             let path = entry.unwrap().path();
@@ -110,18 +110,18 @@ fn every_script_says_what_it_is_for() {
             if !is_run(&path) {
                 continue;
             }
-            let nowhere = tempfile::tempdir().unwrap();
-            let output = Command::new("bash").arg(&path).arg("--help").current_dir(nowhere.path()).output().unwrap();
+            let empty = tempfile::tempdir().unwrap();
+            let output = Command::new("bash").arg(&path).arg("--help").current_dir(empty.path()).output().unwrap();
             let [help, errors] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
             assert!(
                 output.status.success() && errors.is_empty() && help.lines().count() > 1,
                 "{path:?}: {help}{errors}"
             );
-            assert_eq!(std::fs::read_dir(nowhere.path()).unwrap().count(), 0, "{path:?}");
-            seen += 1;
+            assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0, "{path:?}");
+            tried += 1;
         }
     }
-    assert!(seen > 15, "{seen}");
+    assert!(tried > 15, "{tried}");
     let drivers = repository().join("scripts/drivers.sh");
     let output = Command::new("bash").arg(drivers).arg("--unknown").output().unwrap();
     assert_eq!(output.status.code(), Some(2), "nothing is fetched for a flag that there is not");
@@ -146,7 +146,7 @@ fn each_manifest_asks_for_versions_that_are_tested() {
         .iter()
         .map(|p| (p["name"].as_str().unwrap(), numbers(p["version"].as_str().unwrap())))
         .collect();
-    let mut seen = 0;
+    let mut checked = 0;
     let workspace = read("Cargo.toml")["workspace"]["members"].as_array().unwrap().clone();
     for folder in &workspace {
         let file = format!("{}/Cargo.toml", folder.as_str().unwrap());
@@ -162,10 +162,10 @@ fn each_manifest_asks_for_versions_that_are_tested() {
                 locked_name == name && *locked_version >= required && locked_version[0] == required[0]
             };
             assert!(locked.iter().any(is_tested), "{file}: {name} {version} is not what Cargo.lock has");
-            seen += 1;
+            checked += 1;
         }
     }
-    assert!(seen > 40, "{seen}");
+    assert!(checked > 40, "{checked}");
 }
 
 /// The script that checks the licences of all crates succeeds. A new dependency may have a licence under which the

@@ -127,12 +127,12 @@ fn figures_of_the_thesis_are_drawn() {
         let image = folder.image("figure.png");
         assert!(image.pixels().any(|p| p != image.get_pixel(0, 0)), "{figure}");
         if figure == "4.5" {
-            // The floor's rays go away from the camera, the wall's towards it.
-            // Whether some pixel has clearly more of the first channel than of the second.
-            let is =
+            // Rays that the floor reflects go away from the camera, and are Hi-Z rays; the wall's come towards it.
+            // Returns whether some pixel has clearly more of the first channel than of the second.
+            let shows =
                 |brighter: usize, darker: usize| image.pixels().any(|p| p.0[brighter] > p.0[darker].saturating_add(60));
-            assert!(is(1, 0), "Hi-Z rays are green");
-            assert!(is(0, 1), "rays of the linear march are red");
+            assert!(shows(1, 0), "Hi-Z rays are green");
+            assert!(shows(0, 1), "rays of the linear march are red");
         }
     }
 }
@@ -214,8 +214,8 @@ fn a_path_gives_frames_per_second_of_each_method() {
     folder.write("way.toml", path_file);
     let args = ["--size", "32x16,17x9", "--method", "hzct,ssct", "--frames", "5", "--warmup", "1"];
     let succeed = |own: &[&str]| folder.succeed(&[&["path"], own, &args].concat());
-    let said = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
-    let records: Value = serde_json::from_str(&said).unwrap();
+    let printed = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
+    let records: Value = serde_json::from_str(&printed).unwrap();
     let records = records.as_array().unwrap();
     assert_eq!(records.len(), 4, "two methods, two sizes");
     for r in records {
@@ -248,12 +248,12 @@ fn a_path_gives_frames_per_second_of_each_method() {
     assert_eq!(svg.matches("stroke-width=\"2\"").count(), 4, "a line a record");
     let text = succeed(&[]);
     assert!(text.contains("rooms views") && text.contains("1 % low"), "{text}");
-    for (wrong, says) in
+    for (wrong, words) in
         [(["--path", "nowhere"], "neither a path of scene rooms (views"), (["--view", "corridor"], "leave out --view")]
     {
         let output = folder.run(&[&["path"][..], &wrong].concat());
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.code() == Some(2) && said.contains(says), "{said}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && message.contains(words), "{message}");
     }
 }
 
@@ -294,7 +294,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     killed.kill().unwrap();
     killed.wait().unwrap();
     let before = journal();
-    let whole = &before[..before.rfind('\n').unwrap() + 1];
+    let whole_lines = &before[..before.rfind('\n').unwrap() + 1];
     let printed = folder.succeed(&["study", "--quick", "--resume", "-o", "out"]);
     let after = journal();
     let key = |line: &str| Some(serde_json::from_str::<Value>(line).unwrap()["key"].as_str()?.to_owned());
@@ -302,7 +302,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let measured = keys.len();
     keys.sort();
     keys.dedup();
-    assert!(after.starts_with(whole) && measured > whole.lines().count() && keys.len() == measured);
+    assert!(after.starts_with(whole_lines) && measured > whole_lines.lines().count() && keys.len() == measured);
     assert!(printed.contains("Table 5.8") && printed.contains("index.html"), "{printed}");
     let page = folder.text("out/index.html");
     let linked: Vec<_> = page.split("href=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
@@ -363,9 +363,9 @@ fn captures_are_listed_written_and_read_again() {
     assert!(folder.text("a.svg").starts_with("<svg"));
     // The records are in the program's coordinates, and the tables in those of the scene file, which are right-handed.
     let tables: toml::Table = toml::from_str(&folder.text("a.toml")).unwrap();
-    let z = |place: Option<f64>| place.map(|z| (1e3 * z).round());
-    let [written, recorded] = [tables["capture"][0]["place"][2].as_float(), placed[0]["place"][2].as_f64()];
-    assert_eq!(z(written), z(recorded).map(|z| -z));
+    let millimetres = |metres: f64| (1e3 * metres).round();
+    let (written, recorded) = (&tables["capture"][0]["place"][2], &placed[0]["place"][2]);
+    assert_eq!(written.as_float().map(millimetres), recorded.as_f64().map(|z| -millimetres(z)));
     folder.write("room.scene.toml", format!("[[mesh]]\nfile = 'room.obj'\n{}", folder.text("a.toml")));
     let read: Value = serde_json::from_str(&folder.succeed(&["captures", "room.scene.toml", "--json"])).unwrap();
     assert_eq!((&read[0]["place"], &read[0]["from"]), (&placed[0]["place"], &"file".into()));
@@ -436,17 +436,16 @@ fn names_in_files_are_no_paths() {
     let long = "x".repeat(400);
     for name in ["a/../../../../escaped/view", "..", "a\u{0}b", "a\\b", &long] {
         let folder = folder();
-        // A name of a scene and of a view, which a TOML text holds as a quoted key.
+        // The name of a scene and a view, which a TOML text quotes as JSON does.
         let quoted = serde_json::to_string(name).unwrap();
         let scene = format!(
             "name = {quoted}\n[[mesh]]\nfile = \"room.obj\"\n[view.{quoted}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, -6]\n"
         );
         folder.write("a.scene.toml", scene);
         let before = all_below(folder.root());
-        let args =
-            ["error", "--scene", "a.scene.toml", "--method", "linear", "--no-sweep", "--roughness", "0", "--size"];
-        let rest = ["34x19", "--rays", "4", "--samples", "1", "-o", "out/deep"];
-        folder.succeed(&[&args[..], &rest].concat());
+        let args = ["error", "--scene", "a.scene.toml", "--method", "linear", "--no-sweep", "--roughness", "0"];
+        let small = ["--size", "34x19", "--rays", "4", "--samples", "1"];
+        folder.succeed(&[&args[..], &small, &["-o", "out/deep"]].concat());
         let written: Vec<String> = all_below(folder.root()).into_iter().filter(|path| !before.contains(path)).collect();
         assert!(written.iter().any(|path| path.ends_with("-linear.png")), "{written:?}");
         assert!(written.iter().all(|path| *path == "out" || path.starts_with("out/deep")), "{name:?}: {written:?}");

@@ -10,7 +10,7 @@ const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_dev
 
 /// Writes a run of six frames: a scene pass of 3 ms, and two counted passes, `trace` and `composite`. `trace` takes 8
 /// ms, times the first factor in even frames and the second one in odd frames.
-fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &str) {
+fn write_times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &str) {
     let mut rows = HEADER.to_owned();
     for n in 0..6 {
         for (pass, counted, ms) in
@@ -26,24 +26,24 @@ fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &
 }
 
 /// Writes a PNG of one colour.
-fn png(folder: &Folder, name: &str, extent: [u32; 2], color: [u8; 3]) {
+fn write_png(folder: &Folder, name: &str, extent: [u32; 2], color: [u8; 3]) {
     image::RgbImage::from_pixel(extent[0], extent[1], image::Rgb(color)).save(folder.path(name)).unwrap();
 }
 
 /// Writes a 32×24 EXR whose left half has the first colour and whose right half the second.
-fn exr(folder: &Folder, name: &str, halves: [[f32; 3]; 2]) {
+fn write_exr(folder: &Folder, name: &str, halves: [[f32; 3]; 2]) {
     let color = |x: usize, _| halves[usize::from(x >= 16)].into();
     exr::prelude::write_rgb_file(folder.path(name), 32, 24, |x, y| -> (f32, f32, f32) { color(x, y) }).unwrap();
 }
 
 /// Runs `ssct compare`, which must succeed, and returns its standard output.
-fn said(folder: &Folder, args: &[&str]) -> String {
+fn compare_text(folder: &Folder, args: &[&str]) -> String {
     folder.succeed(&[&["compare"], args].concat())
 }
 
 /// Returns the records of `ssct compare --json`.
 fn compared(folder: &Folder, args: &[&str]) -> Vec<Value> {
-    serde_json::from_str(&said(folder, &[args, &["--json"]].concat())).unwrap()
+    serde_json::from_str(&compare_text(folder, &[args, &["--json"]].concat())).unwrap()
 }
 
 /// Checks that a comparison fails with an exit status, and that its sentence has some words.
@@ -65,7 +65,7 @@ fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
 #[test]
 fn each_pass_and_the_total_get_a_verdict() {
     let folder = Folder::new();
-    times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
+    write_times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
     for (factors, trace, total) in [
         ([1.0, 1.0], "SAME", "SAME"),
         ([2.0, 2.0], "SLOWER", "SLOWER"),
@@ -75,12 +75,12 @@ fn each_pass_and_the_total_get_a_verdict() {
         ([1.08, 1.08], "SLOWER", "SLOWER"),
         ([1.06, 1.06], "SLOWER", "SAME"),
     ] {
-        times(&folder, "new", "ssct", factors, "gpu");
+        write_times(&folder, "new", "ssct", factors, "gpu");
         let records = compared(&folder, &["base", "new"]);
         let expected = [("lighting", "SAME"), ("trace", trace), ("composite", "SAME"), ("total", total)];
         assert_eq!(verdicts(&records), expected, "{factors:?}");
     }
-    times(&folder, "new", "ssct", [2.0, 2.0], "gpu");
+    write_times(&folder, "new", "ssct", [2.0, 2.0], "gpu");
     let records = compared(&folder, &["base/time-samples.csv", "new"]);
     let total = &records[3];
     assert_eq!((&total["kind"], &total["definitions"]), (&"compare".into(), &3.into()));
@@ -95,8 +95,8 @@ fn each_pass_and_the_total_get_a_verdict() {
 #[test]
 fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
     let folder = Folder::new();
-    times(&folder, "a", "ssct", [0.9, 1.1], "gpu");
-    times(&folder, "b", "ssct", [1.1, 1.3], "gpu");
+    write_times(&folder, "a", "ssct", [0.9, 1.1], "gpu");
+    write_times(&folder, "b", "ssct", [1.1, 1.3], "gpu");
     let trace = compared(&folder, &["a", "b"])[1].clone();
     assert_eq!(trace, compared(&folder, &["a", "b"])[1]);
     // The medians of resamples reach both values of either run: the ratio goes from 1.1 / 1.1 to 1.3 / 0.9.
@@ -111,12 +111,12 @@ fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
 #[test]
 fn a_slower_total_fails_where_asked() {
     let folder = Folder::new();
-    times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
-    times(&folder, "slow", "ssct", [1.06, 1.06], "gpu");
+    write_times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
+    write_times(&folder, "slow", "ssct", [1.06, 1.06], "gpu");
     // The trace is slower by more than the threshold, and the total is not.
-    said(&folder, &["base", "slow", "--fail-on-slower"]);
+    compare_text(&folder, &["base", "slow", "--fail-on-slower"]);
     fails(&folder, &["base", "slow", "--fail-on-slower", "--threshold", "0.01"], 1, "1 total(s) are slower");
-    said(&folder, &["base", "slow", "--threshold", "0.01"]);
+    compare_text(&folder, &["base", "slow", "--threshold", "0.01"]);
 }
 
 /// The text names two different devices, lists a pass that one run lacks, and explains the verdicts, and is written to
@@ -124,17 +124,17 @@ fn a_slower_total_fails_where_asked() {
 #[test]
 fn the_text_warns_and_lists_what_one_run_lacks() {
     let folder = Folder::new();
-    times(&folder, "base", "ssct", [1.0, 1.0], "old gpu");
-    times(&folder, "new", "ssct", [1.0, 1.0], "new gpu");
+    write_times(&folder, "base", "ssct", [1.0, 1.0], "old gpu");
+    write_times(&folder, "new", "ssct", [1.0, 1.0], "new gpu");
     let extra = "rooms,hall,ssct,published,64,36,0.1,,1,false,none,0,resolve,true,1\n";
     folder.write("new/time-samples.csv", folder.text("new/time-samples.csv") + extra);
-    let text = said(&folder, &["base", "new", "-o", "out"]);
+    let text = compare_text(&folder, &["base", "new", "-o", "out"]);
     assert!(text.contains("warning: A ran on old gpu (1), B on new gpu (1)"), "{text}");
     let (_, lacking) = text.split_once("Only in B:\n").unwrap();
     assert!(lacking.starts_with("  rooms hall  64x36  0.1  own  ssct  published  resolve\n"), "{text}");
     assert!(text.contains("2000 bootstrap resamples"), "{text}");
     assert!(text.contains("SAME: the interval lies within ±5 %. FASTER, SLOWER: it lies beyond ±5 %"), "{text}");
-    let strict = said(&folder, &["base", "new", "--threshold", "0.025"]);
+    let strict = compare_text(&folder, &["base", "new", "--threshold", "0.025"]);
     assert!(strict.contains("SAME: the interval lies within ±2.5 %"), "{strict}");
     assert_eq!(folder.text("out/compare.txt"), text);
     let records = compared(&folder, &["base", "new"]);
@@ -143,7 +143,7 @@ fn the_text_warns_and_lists_what_one_run_lacks() {
     let written: Vec<Value> = serde_json::from_slice(&std::fs::read(folder.path("out/compare.json")).unwrap()).unwrap();
     assert_eq!(written, records);
     std::fs::remove_file(folder.path("new/time.json")).unwrap();
-    assert!(said(&folder, &["base", "new"]).contains("no time.json says on which device B ran"));
+    assert!(compare_text(&folder, &["base", "new"]).contains("no time.json says on which device B ran"));
 }
 
 /// A real run compared with itself has a ratio of 1 in each pass, and its total is the total that the run recorded. The
@@ -163,8 +163,8 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
     assert!(records.iter().all(|r| r["ratio"] == 1.0 && r["samples_a"] == 5), "{records:?}");
     assert!(records[0]["warning"].as_str().unwrap().contains("A and B are one run"), "{}", records[0]);
     let total = records.last().unwrap();
-    let parts = records.iter().filter(|r| r["part_of"].is_null()).count();
-    assert!(parts < records.len() - 8, "the levels of the chains are parts of three groups");
+    let ungrouped = records.iter().filter(|r| r["part_of"].is_null()).count();
+    assert!(ungrouped < records.len() - 8, "the levels of the chains are parts of three groups");
     let (found, expected) = (&total["median_a_ms"], &timed[0]["total"]["median_ms"]);
     assert!((found.as_f64().unwrap() - expected.as_f64().unwrap()).abs() < 1e-4, "{found} {expected}");
 }
@@ -192,12 +192,12 @@ fn runs_with_other_flags_are_no_pair() {
             "fallback none in A, environment in B; normal_deviation not set in A, 0.5 in B; resolution_scale 1 in A, 0.5 in B",
         ),
     ] {
-        let (_, rows) =
-            &run(name, flags).split_once('\n').map(|(header, rows)| (header.to_owned(), rows.to_owned())).unwrap();
+        let samples = run(name, flags);
+        let (_header, rows) = samples.split_once('\n').unwrap();
         fails(&folder, &["plain", name], 1, "no pass in common");
         fails(&folder, &["plain", name], 1, differs);
         folder.write("both.csv", plain.clone() + rows);
-        let text = said(&folder, &["plain", "both.csv"]);
+        let text = compare_text(&folder, &["plain", "both.csv"]);
         let (_, only) = text.split_once("Only in B:").unwrap();
         assert!(only.contains(row) && only.contains(differs), "{text}");
     }
@@ -208,8 +208,8 @@ fn runs_with_other_flags_are_no_pair() {
 #[test]
 fn images_have_the_errors_of_a_hand_computation() {
     let folder = Folder::new();
-    exr(&folder, "a.exr", [[1.0, 2.0, 0.0], [0.5; 3]]);
-    exr(&folder, "b.exr", [[1.0, 2.0, 3.0], [0.5; 3]]);
+    write_exr(&folder, "a.exr", [[1.0, 2.0, 0.0], [0.5; 3]]);
+    write_exr(&folder, "b.exr", [[1.0, 2.0, 3.0], [0.5; 3]]);
     let found = &compared(&folder, &["a.exr", "b.exr", "-o", "out"])[0];
     // Half of the pixels differ by 3 in one of three channels: the mean square is 9 / 6. The squares of the reference
     // are 5 in one half and 0.75 in the other, so that the relative error is 9 / 5.75.
@@ -222,7 +222,7 @@ fn images_have_the_errors_of_a_hand_computation() {
     let map = exr::prelude::read_first_flat_layer_from_file(folder.path("out/error.exr")).unwrap();
     let values: Vec<f32> = map.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
     assert!((values[0] - 3_f32.sqrt()).abs() < 1e-6 && values[31] == 0.0);
-    let text = said(&folder, &["a.exr", "b.exr"]);
+    let text = compare_text(&folder, &["a.exr", "b.exr"]);
     assert!(text.contains("1.224745") && text.contains("1.565217"), "{text}");
     let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("greatest RMSE of a pixel 1.732051 where that pixel is 0, 0"), "{text}");
@@ -232,7 +232,7 @@ fn images_have_the_errors_of_a_hand_computation() {
         scale.starts_with("<svg") && scale.contains("the greatest, 1.732051") && scale.contains("1 or more"),
         "{scale}"
     );
-    let same = said(&folder, &["a.exr", "a.exr"]);
+    let same = compare_text(&folder, &["a.exr", "a.exr"]);
     assert_eq!((same.matches("identical").count(), same.contains("0.000000")), (4, false), "{same}");
 }
 
@@ -241,15 +241,15 @@ fn images_have_the_errors_of_a_hand_computation() {
 #[test]
 fn a_png_is_decoded_to_linear() {
     let folder = Folder::new();
-    png(&folder, "black.png", [32, 24], [0; 3]);
-    png(&folder, "white.png", [32, 24], [255; 3]);
-    png(&folder, "grey.png", [32, 24], [188; 3]);
+    write_png(&folder, "black.png", [32, 24], [0; 3]);
+    write_png(&folder, "white.png", [32, 24], [255; 3]);
+    write_png(&folder, "grey.png", [32, 24], [188; 3]);
     // sRGB 188 by IEC 61966-2-1: ((188/255 + 0.055) / 1.055)^2.4.
     let linear = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
     let rmse = |a: &str, b: &str| compared(&folder, &[a, b])[0]["rmse"].as_f64().unwrap();
     assert!((rmse("black.png", "grey.png") - linear).abs() < 1e-6);
     assert!((rmse("white.png", "grey.png") - (1.0 - linear)).abs() < 1e-6);
-    exr(&folder, "grey.exr", [[linear as f32; 3]; 2]);
+    write_exr(&folder, "grey.exr", [[linear as f32; 3]; 2]);
     let same = &compared(&folder, &["grey.png", "grey.exr"])[0];
     assert!(same["rmse"].as_f64().unwrap() < 1e-6 && same["flip"] == 0.0, "{same}");
     let black = &compared(&folder, &["black.png", "white.png"])[0];
@@ -262,22 +262,22 @@ fn a_png_is_decoded_to_linear() {
 #[test]
 fn what_is_no_number_is_not_hidden() {
     let folder = Folder::new();
-    exr(&folder, "a.exr", [[0.5; 3], [0.5; 3]]);
-    exr(&folder, "nan.exr", [[0.5; 3], [f32::NAN, 0.5, 0.5]]);
+    write_exr(&folder, "a.exr", [[0.5; 3], [0.5; 3]]);
+    write_exr(&folder, "nan.exr", [[0.5; 3], [f32::NAN, 0.5, 0.5]]);
     assert_eq!(compared(&folder, &["a.exr", "nan.exr", "-o", "out"])[0]["rmse"], Value::Null);
     let error = folder.image("out/error.png");
     assert_eq!((error.get_pixel(3, 3).0, error.get_pixel(20, 3).0), ([0; 3], [255, 0, 255]));
-    assert!(said(&folder, &["a.exr", "nan.exr"]).contains("NaN"));
+    assert!(compare_text(&folder, &["a.exr", "nan.exr"]).contains("NaN"));
 }
 
 /// Wrong arguments and broken files of `compare` each get a sentence and status 1 or 2.
 #[test]
 fn mistakes_are_sentences() {
     let folder = Folder::new();
-    times(&folder, "a", "ssct", [1.0, 1.0], "gpu");
-    times(&folder, "other", "hzct", [1.0, 1.0], "gpu");
-    png(&folder, "small.png", [8, 8], [9; 3]);
-    png(&folder, "large.png", [9, 8], [9; 3]);
+    write_times(&folder, "a", "ssct", [1.0, 1.0], "gpu");
+    write_times(&folder, "other", "hzct", [1.0, 1.0], "gpu");
+    write_png(&folder, "small.png", [8, 8], [9; 3]);
+    write_png(&folder, "large.png", [9, 8], [9; 3]);
     std::fs::create_dir(folder.path("empty")).unwrap();
     for name in ["text.txt", "broken.png", "broken.exr"] {
         folder.write(name, "no image");
@@ -326,7 +326,7 @@ fn mistakes_are_sentences() {
 fn an_exr_that_cannot_be_read_is_refused() {
     use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
     let folder = Folder::new();
-    exr(&folder, "a.exr", [[0.5; 3]; 2]);
+    write_exr(&folder, "a.exr", [[0.5; 3]; 2]);
     // The data window's last column, 31, becomes 99999; the pixels would need 29 MB, but the header is enough.
     let mut bytes = std::fs::read(folder.path("a.exr")).unwrap();
     let name = b"dataWindow\0box2i\0";
@@ -427,12 +427,12 @@ fn variants_of_one_run_are_judged_at_its_end_and_afterwards() {
     };
     let text = run(&[many, few], "run");
     let at_the_end = rows_of_verdicts(text.split_once("B beside A, turn by turn; SAME is within ±5 %").unwrap().1);
-    let afterwards = rows_of_verdicts(&said(&folder, &["run", "--a", many, "--b", few]));
+    let afterwards = rows_of_verdicts(&compare_text(&folder, &["run", "--a", many, "--b", few]));
     assert_eq!(at_the_end, afterwards);
     let passes: Vec<&str> = at_the_end.iter().map(|[pass, ..]| pass.as_str()).collect();
     assert_eq!(passes[0], "total", "{text}");
     assert_eq!(passes.iter().filter(|pass| pass.starts_with("hi-z")).collect::<Vec<_>>(), [&"hi-z"]);
-    let opened = rows_of_verdicts(&said(&folder, &["run", "--a", many, "--b", few, "--all"]));
+    let opened = rows_of_verdicts(&compare_text(&folder, &["run", "--a", many, "--b", few, "--all"]));
     assert!(opened.iter().filter(|[pass, ..]| pass.starts_with("hi-z/")).count() > 3, "{opened:?}");
     // With three variants, the second and the third each have verdicts beside the first. One variant alone has none.
     let text = run(&[many, few, "hzct"], "three");

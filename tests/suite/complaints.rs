@@ -27,8 +27,8 @@ const WORSE_IN_SSCT: [&str; 11] = [
 #[test]
 fn every_complaint_is_tried_and_shows_what_it_is_for() {
     let folder = Folder::new();
-    let tried = ["--method", "ssct,unified", "--quick", "--validation", "--json", "-o", "."];
-    let output = folder.succeed(&[&["stress", "--complaints"], &tried[..]].concat());
+    let options = ["--method", "ssct,unified", "--quick", "--validation", "--json", "-o", "."];
+    let output = folder.succeed(&[&["stress", "--complaints"], &options[..]].concat());
     let records: Vec<Value> = serde_json::from_str(&output).unwrap();
     let row = |case: &str, method: &str| {
         let found = records.iter().find(|r| r["case"] == case && r["method"] == method);

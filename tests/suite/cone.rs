@@ -23,17 +23,18 @@ fn trilinear(levels: &[&Pixels], position: DVec2, level: f64) -> [f64; 3] {
 /// of the three is off by half of 1/256. This counts times the contrast between texels, which is below 1 here.
 const FILTER: f64 = 3.0 / 512.0;
 
-/// Returns the colours that Alg. 5 may give for a pixel: one, or two where the sum of visibility is so near to 1 that
+/// Returns the colours that Alg. 5 may give for a pixel: one, or more where the sum of visibility is so near to 1 that
 /// rounding decides whether another circle counts. `origin` and `hit` are texture coordinates of the ray's two ends.
 fn predict(shown: &Shown, origin: DVec2, hit: DVec2, roughness: f64, preset: Preset) -> Vec<[f64; 3]> {
     let (color, visibility) = (shown.levels("color"), shown.levels("visibility"));
     let size = f64::from(color[0].width.max(color[0].height));
     let length = (hit - origin).length();
     let direction = (hit - origin) / length;
-    // Eq. 4.5 with the exponent that a roughness stands for: half the roughness.
+    // The half angle of the cone in radians, by Eq. 4.5 with the exponent of the roughness's lobe.
+    let half_angle = roughness / 2.0;
     let (mut sum, mut weight, mut results) = ([0.0; 3], 0.0, Vec::new());
-    for (n, circle) in circles(length, roughness / 2.0, 7, preset == Preset::Author).into_iter().enumerate() {
-        let Circle { distance, radius } = circle;
+    let circles = circles(length, half_angle, 7, preset == Preset::Author);
+    for (n, Circle { distance, radius }) in circles.into_iter().enumerate() {
         // The sum of visibility after n samples may be off by so much.
         let doubt = n as f64 * FILTER;
         if weight >= 1.0 - doubt {

@@ -28,7 +28,7 @@ fn capitals(code: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Returns the targets that a piece of code makes: the words after `make` that have no `=`.
-fn made(code: &str) -> Vec<&str> {
+fn targets_made_by(code: &str) -> Vec<&str> {
     let arguments = code.strip_prefix("make ").unwrap_or_default();
     arguments.split_whitespace().filter(|word| !word.contains('=')).collect()
 }
@@ -59,8 +59,8 @@ fn check<T: Debug>(kind: &str, named: &[T], least: usize, is_there: impl Fn(&T) 
 fn what_the_page_names_is_there() {
     let (page, targets, folder) = (page(), targets(), Folder::new());
     let codes = codes(&page);
-    let made: Vec<&str> = codes.iter().flat_map(|code| made(code)).collect();
-    check("targets", &made, 10, |target| targets.contains(*target));
+    let made_targets: Vec<&str> = codes.iter().flat_map(|code| targets_made_by(code)).collect();
+    check("targets", &made_targets, 10, |target| targets.contains(*target));
 
     let commands: Vec<_> = codes.iter().filter_map(|code| command(code)).collect();
     check("commands", &commands, 2, |(command, options)| {
@@ -87,7 +87,7 @@ fn code_is_read_as_its_author_means_it() {
     let page = "Set `A_VARIABLE=shaders-glsl/common` and run `make docs FILE=x`, then `ssct render -o a.png`.";
     assert_eq!(codes(page), ["A_VARIABLE=shaders-glsl/common", "make docs FILE=x", "ssct render -o a.png"]);
     assert_eq!(words("cargo test -- history::").last(), Some("history::"));
-    assert_eq!(made("make docs FILE=x lint"), ["docs", "lint"]);
+    assert_eq!(targets_made_by("make docs FILE=x lint"), ["docs", "lint"]);
     assert_eq!(command("A_VARIABLE=shaders-glsl ssct index runs -o site"), Some(("index", vec!["-o"])));
     assert_eq!(command("ssct"), None);
     assert_eq!(capitals("A_VARIABLE=1 cargo test METHODS").collect::<Vec<_>>(), ["A_VARIABLE", "METHODS"]);

@@ -62,7 +62,7 @@ fn room(mirror_floor: bool) -> Scene {
 
 /// Returns the colour of the wall that a ray from inside the room meets, or none within `margin` metres of another
 /// quarter or wall. There is no light, so that a wall shows a fifth of its albedo.
-fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
+fn wall_color(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
     let (min, max) = (MIN.as_dvec3(), MAX.as_dvec3());
     let distance_to_wall = |a: usize| ((if direction[a] > 0.0 { max[a] } else { min[a] }) - from[a]) / direction[a];
     let axis = (0..3).min_by(|a, b| distance_to_wall(*a).total_cmp(&distance_to_wall(*b))).unwrap();
@@ -73,8 +73,8 @@ fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
 }
 
 /// Returns whether a texel has a colour, but for the rounding of 8-bit sRGB and of 16-bit floats.
-fn is_color(found: &[f32], right: Vec3) -> bool {
-    (0..3).all(|c| (found[c] - right[c]).abs() < 0.004)
+fn is_color(found: &[f32], expected: Vec3) -> bool {
+    (0..3).all(|c| (found[c] - expected[c]).abs() < 0.004)
 }
 
 /// Each texel of the six faces captured in the room has the colour of the wall in its direction. A face that is turned,
@@ -94,8 +94,10 @@ fn faces_show_what_lies_in_their_directions() {
     for (y, x) in (0..faces.height).flat_map(|y| (0..faces.width).map(move |x| (y, x))) {
         let (u, v) = ((x as f32 + 0.5) / FACE_SIZE as f32, ((y % FACE_SIZE) as f32 + 0.5) / FACE_SIZE as f32);
         let face = (y / FACE_SIZE) as usize;
-        let Some(right) = seen(place.as_dvec3(), sky::face_direction(face, u, v).as_dvec3(), 0.05) else { continue };
-        assert!(is_color(faces.texel(x, y), right), "face {face} ({u}, {v}): {:?}, not {right}", faces.texel(x, y));
+        let direction = sky::face_direction(face, u, v).as_dvec3();
+        let Some(expected) = wall_color(place.as_dvec3(), direction, 0.05) else { continue };
+        let found = faces.texel(x, y);
+        assert!(is_color(found, expected), "face {face} ({u}, {v}): {found:?}, not {expected}");
         clear += 1;
     }
     assert!(clear * 10 > 9 * 6 * FACE_SIZE * FACE_SIZE, "{clear} texels");
@@ -144,9 +146,9 @@ fn in_its_own_box_a_corrected_map_is_exact() {
             reflecting += 1;
             assert_eq!(reflection.texel(x, y)[3], 1.0, "nothing fades");
             // A texel is 0.006 rad: 0.04 m at 6 m, and more on a wall that is seen at an angle.
-            let Some(right) = seen(from, direction, 0.25) else { continue };
-            assert!(is_color(reflection.texel(x, y), right), "{count}, ({x}, {y}): {:?}", reflection.texel(x, y));
-            assert!(is_color(composite.texel(x, y), right), "the mirror is black itself");
+            let Some(expected) = wall_color(from, direction, 0.25) else { continue };
+            assert!(is_color(reflection.texel(x, y), expected), "{count}, ({x}, {y}): {:?}", reflection.texel(x, y));
+            assert!(is_color(composite.texel(x, y), expected), "the mirror is black itself");
             clear += 1;
         }
         println!("{count} maps: {clear} of {reflecting} pixels compared");
@@ -160,7 +162,7 @@ fn in_its_own_box_a_corrected_map_is_exact() {
 fn within_one_box_its_map_counts_alone() {
     let gpu = gpu();
     let extent = [161, 119];
-    // The boxes part the room where x is 1.
+    // A probe at x, whose box is the part of the room from one x to another.
     let probe = |x: f32, from: f32, to: f32| {
         let bounds = Aabb { min: Vec3 { x: from, ..MIN }, max: Vec3 { x: to, ..MAX } };
         Probe { name: "probe".into(), position: Vec3::new(x, 0.3, -0.5), bounds }
@@ -173,14 +175,15 @@ fn within_one_box_its_map_counts_alone() {
         (shown.get("reflection").clone(), floor_rays(shown.get("material"), &view, f64::from(MIN.y)))
     };
     let [(left_alone, _), (right_alone, _)] = [&left, &right].map(|probe| reflection(&[probe]));
-    let (both, rays) = reflection(&[&left, &right]);
+    let (together, rays) = reflection(&[&left, &right]);
+    // The compared pixels on either side whose colour tells which map they show.
     let mut pixels = [0, 0];
     for (x, y, place, _) in rays {
         // A surface that lies on a box counts as inside it.
         if (place.x - 1.0).abs() > 0.1 {
             let side = usize::from(place.x > 1.0);
             let alone = [&left_alone, &right_alone][side].texel(x, y);
-            assert_eq!(both.texel(x, y), alone, "({x}, {y}), at {place}");
+            assert_eq!(together.texel(x, y), alone, "({x}, {y}), at {place}");
             pixels[side] += usize::from(left_alone.texel(x, y) != right_alone.texel(x, y));
         }
     }
@@ -202,12 +205,13 @@ fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
     let (mut clear, mut wrong) = (0, 0);
     for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
         // The lookup has the direction alone: the ray starts at the place of the map, wherever the pixel is.
-        let Some(right) = seen(place.as_dvec3(), direction, 0.25) else { continue };
-        assert!(is_color(reflection.texel(x, y), right), "({x}, {y}): {:?}, not {right}", reflection.texel(x, y));
+        let Some(expected) = wall_color(place.as_dvec3(), direction, 0.25) else { continue };
+        let found = reflection.texel(x, y);
+        assert!(is_color(found, expected), "({x}, {y}): {found:?}, not {expected}");
         clear += 1;
         // The true ray starts at the pixel's own place.
-        let truth = seen(from, direction, 0.25);
-        wrong += usize::from(truth.is_some_and(|truth| !is_color(reflection.texel(x, y), truth)));
+        let truth = wall_color(from, direction, 0.25);
+        wrong += usize::from(truth.is_some_and(|truth| !is_color(found, truth)));
     }
     println!("{clear} pixels compared, {wrong} show what is not there");
     assert!(clear > 5000 && wrong * 5 > clear, "{wrong} of {clear}");
@@ -226,23 +230,25 @@ fn the_environment_is_the_sky_in_the_mirror_direction() {
     let shown = show(&gpu, &b.0, view, "environment", &Setup::new(extent), &Globals::default());
     let rays = floor_rays(shown.get("material"), &view, 0.0);
     assert!(rays.len() > 20_000);
+    // The mean error of a channel if the sky were looked up in directions that `transform` changes.
     let error = |transform: fn(Vec3) -> Vec3| {
         let difference = |(x, y, _, direction): &(u32, u32, DVec3, DVec3)| {
-            let (found, right) = (shown.get("reflection").texel(*x, *y), sky::radiance(transform(direction.as_vec3())));
-            (0..3).map(|c| f64::from((found[c] - right[c]).abs())).sum::<f64>() / 3.0
+            let found = shown.get("reflection").texel(*x, *y);
+            let expected = sky::radiance(transform(direction.as_vec3()));
+            (0..3).map(|c| f64::from((found[c] - expected[c]).abs())).sum::<f64>() / 3.0
         };
         rays.iter().map(difference).sum::<f64>() / rays.len() as f64
     };
     // The map's texels are 0.35°, the clouds' edges some degrees wide.
-    let right = error(|direction| direction);
-    println!("mean error {right:.4}");
-    assert!(right < 0.004, "{right}");
+    let unchanged = error(|direction| direction);
+    println!("mean error {unchanged:.4}");
+    assert!(unchanged < 0.004, "{unchanged}");
     for (transform, what) in [
         ((|direction| direction * Vec3::new(-1.0, 1.0, 1.0)) as fn(Vec3) -> Vec3, "left and right"),
         (|direction| direction * Vec3::new(1.0, 1.0, -1.0), "fore and aft"),
         (|direction| Vec3::new(direction.z, direction.y, direction.x), "x and z"),
     ] {
-        assert!(error(transform) > 5.0 * right, "{what} changed places: {}", error(transform));
+        assert!(error(transform) > 5.0 * unchanged, "{what} changed places: {}", error(transform));
     }
 }
 
@@ -305,13 +311,14 @@ fn a_fallback_shows_where_the_method_fades() {
     for (fallback, name) in [(Fallback::Pccm, "pccm"), (Fallback::Environment, "environment")] {
         let fallback_alone = image(name, Fallback::None);
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
-            let (alone, both) = (image(method.name, Fallback::None), image(method.name, fallback));
+            let (alone, over_fallback) = (image(method.name, Fallback::None), image(method.name, fallback));
             let (mut partly_faded, mut wholly_faded) = (0, 0);
-            for (i, found) in both.get("reflection").texels().enumerate() {
+            for (i, found) in over_fallback.get("reflection").texels().enumerate() {
                 let pixel = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
                 let (local, fallback_texel) = (pixel(&alone), pixel(&fallback_alone));
                 let fade = local[3];
                 let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);
+                // The weight of the fallback in the sum.
                 let mut through = 1.0 - fade;
                 // The error that the rounding of each image to 16-bit floats makes in the difference of a channel: a
                 // device may round either way, so that each number is off by up to a step.

@@ -25,7 +25,7 @@ fn with_example(name: &str) -> Folder {
     folder
 }
 
-/// Returns the arguments of a command on the room at a size of 64×36 pixels.
+/// Returns the arguments of a command on the room at a size of 66×37 pixels.
 fn on_room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
     let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "66x37"];
     [&[command], &place[..], args].concat()

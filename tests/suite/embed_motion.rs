@@ -36,7 +36,8 @@ fn setup() -> Setup {
 struct Moment {
     data: GBufferData,
     /// The bounds of the mesh that moves, and its way since the frame before, in metres.
-    moved: (Aabb, Vec3),
+    mover_bounds: Aabb,
+    mover_step: Vec3,
     scene: Scene,
     reflection: Vec<[f32; 3]>,
 }
@@ -79,7 +80,8 @@ fn film(view: &View, name: &str, step: Vec3, [moving, resting]: [u32; 2]) -> Vec
         let bounds = placed.meshes.iter().filter(|m| m.name == name).fold(Aabb::default(), |b, m| b.union(m.bounds));
         moments.push(Moment {
             data: gbuffer::read(&mut stage.context, &shot).unwrap(),
-            moved: (bounds, if (1..=moving).contains(&n) { step } else { Vec3::ZERO }),
+            mover_bounds: bounds,
+            mover_step: if (1..=moving).contains(&n) { step } else { Vec3::ZERO },
             scene: placed,
             reflection: colors(&image),
         });
@@ -93,7 +95,7 @@ fn colors(image: &Pixels) -> Vec<[f32; 3]> {
     image.texels().map(|t| [t[0], t[1], t[2]]).collect()
 }
 
-/// Returns, for each pixel, its centre in pixels and the point that it shows, in world space.
+/// Returns, for each pixel, its centre in pixels and the point that it shows_mover, in world space.
 fn places(data: &GBufferData) -> impl Iterator<Item = (Vec2, Vec3)> {
     let to_clip = data.camera.view_to_clip_reversed() * data.camera.world_to_view;
     let place = move |(i, depth): (usize, &f32)| {
@@ -109,9 +111,9 @@ fn size() -> Vec2 {
     Vec2::from(EXTENT.map(|side| side as f32))
 }
 
-/// Returns, for each pixel, whether it shows the mesh that moves.
-fn shows(moment: &Moment) -> Vec<bool> {
-    let inside = moment.moved.0.grown(0.01);
+/// Returns, for each pixel, whether it shows_mover the mesh that moves.
+fn shows_mover(moment: &Moment) -> Vec<bool> {
+    let inside = moment.mover_bounds.grown(0.01);
     let is_in = |place: Vec3| place.cmpge(inside.min).all() && place.cmple(inside.max).all();
     places(&moment.data).map(|(_, place)| is_in(place)).collect()
 }
@@ -121,10 +123,10 @@ fn shows(moment: &Moment) -> Vec<bool> {
 fn ways(moment: &Moment) -> Vec<Vec2> {
     let to_clip = moment.data.camera.view_to_clip_reversed() * moment.data.camera.world_to_view;
     let way = |((pixel, place), moves): ((Vec2, Vec3), bool)| {
-        let before = to_clip * (if moves { place - moment.moved.1 } else { place }).extend(1.0);
+        let before = to_clip * (if moves { place - moment.mover_step } else { place }).extend(1.0);
         (before.xy() / before.w * Vec2::new(1.0, -1.0) + 1.0) * 0.5 * size() - pixel
     };
-    places(&moment.data).zip(shows(moment)).map(way).collect()
+    places(&moment.data).zip(shows_mover(moment)).map(way).collect()
 }
 
 /// Returns the reflections that the door makes of a film, with motion stored in units of `scale` pixels, or without
@@ -142,7 +144,7 @@ fn through_the_door(film: &[Moment], scale: Option<[f32; 2]>) -> Vec<Pixels> {
         let theirs = ForeignGBuffer::new(&mut engine, &moment.data, NATIVE);
         let triangles = triangles_of(&engine, &moment.scene);
         // Where nothing moves, no motion is given.
-        let scale = scale.filter(|_| moment.moved.1 != Vec3::ZERO);
+        let scale = scale.filter(|_| moment.mover_step != Vec3::ZERO);
         let image = scale.map(|[x, y]| {
             let stored: Vec<[f32; 2]> = ways(moment).iter().map(|way| [way.x / x, way.y / y]).collect();
             engine.upload(MOTION_FORMAT, EXTENT, bytemuck::cast_slice(&stored))
@@ -164,8 +166,8 @@ fn motion(image: &Image, scale: [f32; 2]) -> MotionInput {
 
 /// Returns the RMSE between the door's reflection and the laboratory's in a frame, over the pixels that show the moving
 /// mesh.
-fn off(film: &[Moment], reflections: &[Pixels], frame: usize) -> f64 {
-    let mask = shows(&film[frame]);
+fn mover_error(film: &[Moment], reflections: &[Pixels], frame: usize) -> f64 {
+    let mask = shows_mover(&film[frame]);
     assert!(mask.iter().filter(|m| **m).count() > 30, "nothing that moves is seen");
     masked_rmse(&film[frame].reflection, &colors(&reflections[frame]), &mask)
 }
@@ -179,13 +181,14 @@ fn a_moved_reflector_with_motion_given_is_what_the_laboratory_makes_of_it() {
     let film = film(&view, "ball", Vec3::new(-0.06, 0.0, -0.06), [6, 6]);
     let [with_motion, without_motion] = [Some([1.0, 1.0]), None].map(|scale| through_the_door(&film, scale));
     let mean = |reflections: &[Pixels]| {
-        (1..film.len()).map(|n| off(&film, reflections, n)).sum::<f64>() / (film.len() - 1) as f64
+        (1..film.len()).map(|n| mover_error(&film, reflections, n)).sum::<f64>() / (film.len() - 1) as f64
     };
     let [off_with, off_without] = [mean(&with_motion), mean(&without_motion)];
     println!("{off_with:.4} off with motion, {off_without:.4} without");
     assert!(off_with < 0.5 * off_without, "{off_with} with motion, {off_without} without");
     // In frame 3, the door's reflection in the rolling ball is the laboratory's, but for 0.001.
-    let [error_with, error_without] = [&with_motion, &without_motion].map(|reflections| off(&film, reflections, 3));
+    let [error_with, error_without] =
+        [&with_motion, &without_motion].map(|reflections| mover_error(&film, reflections, 3));
     assert!(error_with < 1e-3 && error_without > 0.05, "{error_with} with motion, {error_without} without");
     // Motion may be stored with either sign and in any unit.
     let scaled = through_the_door(&film[..6], Some([-2.0, 0.5]));
@@ -203,8 +206,8 @@ fn motion_that_cannot_be_read_is_refused_with_a_sentence() {
     let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
     let reflections_info = ReflectionsInfo { parameters: &PARAMETERS[..1], ..info(&data, "unified") };
     let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
-    let still = vec![[f32::NAN; 2]; 34 * 25];
-    let image = engine.upload(MOTION_FORMAT, [34, 25], bytemuck::cast_slice(&still));
+    let not_numbers = vec![[f32::NAN; 2]; 34 * 25];
+    let image = engine.upload(MOTION_FORMAT, [34, 25], bytemuck::cast_slice(&not_numbers));
     let good = motion(&image, [1.0, 1.0]);
     let mut refused = |change: &dyn Fn(&mut MotionInput), words: &str| {
         let mut motion = good;
@@ -255,6 +258,7 @@ fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
         .collect();
     let mut engine = Engine::new(&gpu);
     let context = engine.context();
+    // The last frame's reflection, with motion that includes the jitter or not, and is declared to include it or not.
     let mut show = |is_included: bool, jittered: bool| {
         let reflections_info = ReflectionsInfo { parameters: &PARAMETERS[..2], ..info(&frames[0], "unified") };
         let mut reflections = Reflections::new(&context, &reflections_info).unwrap();
@@ -271,9 +275,9 @@ fn jitter_is_no_motion_whether_the_ways_hold_it_or_not() {
         }
         bits(&last.unwrap())
     };
-    let [without, reflections_info, wrong] =
+    let [without, declared, undeclared] =
         [(false, false), (true, true), (true, false)].map(|(is_included, is_declared)| show(is_included, is_declared));
-    assert!(without == reflections_info, "the difference of the jitter is taken into account");
-    assert!(without != wrong, "and it counts");
+    assert!(without == declared, "the difference of the jitter is taken into account");
+    assert!(without != undeclared, "and it counts");
     gpu.check_validation().unwrap();
 }

@@ -70,11 +70,11 @@ fn triangles_of_the_caller_show_what_those_of_the_scene_show() {
     let alone = gbuffer::reflect(&gpu, &data, None, &methods::unified::INFO, &Setup::new(EXTENT)).unwrap();
     // The door takes the screen's colours of hits unless a parameter says otherwise; the laboratory takes the
     // triangles' colours.
-    let (all_colors, screen) = (("hit-color", "triangles"), HitColor::Screen);
+    let (triangle_colors, screen) = (("hit-color", "triangles"), HitColor::Screen);
     type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], FirstTraced, HitColor);
     let cases: [Case; 5] = [
-        ("unified", &[("first", "screen"), all_colors], FirstTraced::Screen, HitColor::Triangles),
-        ("unified", &[("first", "triangles"), all_colors], FirstTraced::Triangles, HitColor::Triangles),
+        ("unified", &[("first", "screen"), triangle_colors], FirstTraced::Screen, HitColor::Triangles),
+        ("unified", &[("first", "triangles"), triangle_colors], FirstTraced::Triangles, HitColor::Triangles),
         ("unified", &[("first", "screen")], FirstTraced::Screen, screen),
         ("unified", &[("first", "triangles")], FirstTraced::Triangles, screen),
         ("traced", &[], FirstTraced::Triangles, HitColor::Triangles),
@@ -129,22 +129,26 @@ fn textures_of_the_caller_show_what_those_of_the_scene_show() {
     // The device makes the levels of the scene's textures and may round their bytes otherwise than the door.
     assert!(textured < 0.004 && plain > 10.0 * textured, "textured {textured}, plain {plain}");
 
-    let all = meshes_of(&scene, &vertices, true);
-    let one = &all[..1];
+    let meshes = meshes_of(&scene, &vertices, true);
+    let first_mesh = &meshes[..1];
     let refused = |meshes: &[TriangleMesh], textures: &[HitTexture], words: &str| {
         let message = Triangles::with_textures(&context, meshes, textures).err().expect("refused").to_string();
         assert!(message.contains(words), "{message}");
     };
-    let given = MeshTexture { number: 1, places: &vertices[0].places };
-    let mesh_with = |texture| [TriangleMesh { texture: Some(texture), ..one[0] }];
-    refused(&mesh_with(given), &textures[..1], "triangle mesh 0 has texture 1, and there are 1");
+    let texture = MeshTexture { number: 1, places: &vertices[0].places };
+    let mesh_with = |texture| [TriangleMesh { texture: Some(texture), ..first_mesh[0] }];
+    refused(&mesh_with(texture), &textures[..1], "triangle mesh 0 has texture 1, and there are 1");
     refused(
-        &mesh_with(MeshTexture { places: &[], ..given }),
+        &mesh_with(MeshTexture { places: &[], ..texture }),
         &textures[..2],
         "triangle mesh 0 has 0 places on its texture",
     );
-    refused(one, &[HitTexture { extent: [0, 4], ..textures[0] }], "texture 0 is 0x4 texels; each side must have 1 to");
-    refused(one, &[HitTexture { texels: &[0; 5], ..textures[0] }], "texels of four bytes, and has 5 bytes");
+    refused(
+        first_mesh,
+        &[HitTexture { extent: [0, 4], ..textures[0] }],
+        "texture 0 is 0x4 texels; each side must have 1 to",
+    );
+    refused(first_mesh, &[HitTexture { texels: &[0; 5], ..textures[0] }], "texels of four bytes, and has 5 bytes");
     gpu.check_validation().unwrap();
 }
 

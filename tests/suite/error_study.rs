@@ -69,12 +69,12 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
 
     // A ray that meets a window shows the sky along the ray, in the reference and in `unified`. The thesis's cone shows
     // the window's pixel, which has the sky as the camera sees it. Without windows, the two would be equal.
-    let mirrors = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "unified", "--beyond", "none"];
-    let how = ["--roughness", "0", "--size", "96x54", "--no-sweep", "--samples", "1", "--rays", "64", "--json"];
-    let mirrors = ssct(&[&mirrors[..], &how[..]].concat());
+    let subject = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "unified", "--beyond", "none"];
+    let options = ["--roughness", "0", "--size", "96x54", "--no-sweep", "--samples", "1", "--rays", "64", "--json"];
+    let mirrors = ssct(&[&subject[..], &options[..]].concat());
     let error = |method: &str| {
-        let is_it = |r: &&Value| r["method"] == method && r["against"] == "screen";
-        mirrors.iter().find(is_it).unwrap_or_else(|| panic!("{method}"))["rmse"].as_f64().unwrap()
+        let is_wanted = |r: &&Value| r["method"] == method && r["against"] == "screen";
+        mirrors.iter().find(is_wanted).unwrap_or_else(|| panic!("{method}"))["rmse"].as_f64().unwrap()
     };
     let (exact, unified) = (error("exact-hits+cone"), error("unified"));
     assert!(unified < 0.5 * exact && exact < 0.05, "{exact} {unified}");
@@ -89,8 +89,8 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
     let again = error_study(folder.path(), "4");
     assert_eq!(records, again, "what was measured is kept, times too");
     let other = error_study(folder.path(), "5");
-    let time = |r: &[Value]| r[0]["standard_error"].clone();
-    assert_ne!((time(&records), &records), (time(&other), &other), "other settings are measured anew");
+    let first_error = |r: &[Value]| r[0]["standard_error"].clone();
+    assert_ne!((first_error(&records), &records), (first_error(&other), &other), "other settings are measured anew");
     // Times were kept from the first run, and the second run still had a picture to judge.
     assert!(other.iter().all(|r| r["against"] != "world" || r["standard_error"].as_f64().unwrap() > 0.0));
 }
@@ -120,9 +120,9 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
     let of_version = |version| ssct(&[&what[..], &how, &["--oracle", version]].concat());
     let records = ["1", "2"].map(of_version).concat();
     let agreement = |version: Value, against: &str| {
-        let is_it =
+        let is_against =
             |r: &&Value| r["method"] == "unified" && r["against"] == against && r["setup"]["resolution_scale"] == 1.0;
-        let mut selected = records.iter().filter(|r| is_it(r) && r["setup"]["oracle"] == version);
+        let mut selected = records.iter().filter(|r| is_against(r) && r["setup"]["oracle"] == version);
         let (found, more) = (selected.next(), selected.next());
         assert!(more.is_none(), "one record for oracle {version} against {against}");
         found.unwrap_or_else(|| panic!("oracle {version} against {against}"))["hit_agreement"].as_f64().unwrap()
@@ -169,10 +169,10 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
         let found = records.iter().find(|r| r["method"] == "ssct" && r["against"] == "world").unwrap();
         (found["setup"]["fallback"].clone(), found["rmse"].as_f64().unwrap(), found["hit_agreement"].clone())
     };
-    let (plain, with_fallback) = (world(&plain), world(&with_fallback));
-    assert_eq!((plain.0, with_fallback.0), ("none".into(), "environment".into()));
-    assert_ne!(plain.1, with_fallback.1);
-    assert_eq!(plain.2, with_fallback.2, "the hits are the method's own");
+    let [(fallback, rmse, hits), (other_fallback, other_rmse, other_hits)] = [plain, with_fallback].map(|r| world(&r));
+    assert_eq!((fallback, other_fallback), ("none".into(), "environment".into()));
+    assert_ne!(rmse, other_rmse);
+    assert_eq!(hits, other_hits, "the hits are the method's own");
 }
 
 /// In a run of `time`, the medians of the passes add up to 0.5 to 1.5 of the median of the frame, and those that count
@@ -222,7 +222,7 @@ fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
 }
 
 /// A reference of 64 rays that resumes at 16 is that of a straight run, to the bit. Four times the rays halve the
-/// standard error. Samples that were drawn twice would lower neither.
+/// standard error. Samples that were drawn twice would not lower it.
 #[test]
 fn the_reference_is_sampled_on_from_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();

@@ -26,7 +26,7 @@ fn without_scene<'a>(method: &'static str, setup: &'a Setup, given_part: Option<
 /// For each row of the table in order, one request is refused by that row first, in a sentence. A row that an earlier
 /// one covers would never be used. A plain request is not refused.
 #[test]
-fn each_is_the_first_that_some_request_asks_for() {
+fn each_row_is_the_first_that_refuses_some_request() {
     let plain = Setup::new([8, 8]);
     let with = |change: fn(&mut EffectParams)| plain.with(change);
     let (captures, triangles) = (Some(GivenPart::Captures), Some(GivenPart::Triangles));
@@ -74,7 +74,7 @@ fn each_is_the_first_that_some_request_asks_for() {
 /// Each row names a parameter of the methods, or the method itself, since the window shows the refusal beside that
 /// parameter.
 #[test]
-fn each_names_a_parameter_that_there_is() {
+fn each_row_names_a_parameter_that_there_is() {
     let named: Vec<&str> = parameters().into_iter().map(|(parameter, _)| parameter.name).collect();
     for Exclusion { parameter, .. } in EXCLUSIONS {
         assert!(*parameter == "method" || named.contains(parameter), "{parameter}");

@@ -52,12 +52,12 @@ fn every_figure_is_made_or_says_what_it_lacks() {
     }
     assert!(attributes(&page, "src").iter().all(|s| s.starts_with("data:image/")));
     assert!(page.contains("ssct render --scene rooms --view window-floor --method hzct --roughness 0.1"));
-    shown(&folder);
+    check_in_browser(&folder);
 }
 
 /// Shows the page in a browser as wide as a phone, and checks that nothing is wider than the screen and that every
 /// picture is there.
-fn shown(folder: &Folder) {
+fn check_in_browser(folder: &Folder) {
     let script = r#"
   const d = (await show("f/index.html", 390, false)).contentDocument, r = d.documentElement;
   const bad = [...d.images].filter(i => i.naturalWidth == 0 || i.clientWidth == 0).length;
@@ -97,8 +97,8 @@ fn figures_show_what_their_captions_say() {
     assert!(floor(0) > floor(200) + 2.0, "{} {}", floor(0), floor(200));
     // In figure 5.2 SSCT catches more than HZCT.
     let window = folder.image("f/thesis-5.2.png");
-    let all = |left: u32| mean(&window, [left, 0, left + 192, 108]);
-    assert!(all(0) > all(200) + 1.0, "{} {}", all(0), all(200));
+    let picture = |left: u32| mean(&window, [left, 0, left + 192, 108]);
+    assert!(picture(0) > picture(200) + 1.0, "{} {}", picture(0), picture(200));
     // Figure 27: two pictures in each of three rows, then one.
     let gbuffer = folder.image("f/schmidt-27.png");
     assert_eq!(gbuffer.dimensions(), (2 * 192 + 8, 4 * 108 + 3 * 8));
@@ -125,23 +125,23 @@ fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
     std::fs::create_dir(folder.path("a scene")).unwrap();
     folder.write_boards("a scene", &["atrium", "lion", "hall"]);
     let file = "a scene/boards.scene.toml";
-    let said = folder.succeed(&["figures", "--scene", file, "--size", "48x27", "-o", "f"]);
-    let made: Vec<_> = said.lines().filter_map(|l| l.split_once(".png: ")).map(|(stem, _)| stem).collect();
-    assert_eq!(made, ["thesis-3.7", "thesis-5.6", "thesis-5.7", "thesis-5.8"], "{said}");
+    let printed = folder.succeed(&["figures", "--scene", file, "--size", "48x27", "-o", "f"]);
+    let figures: Vec<_> = printed.lines().filter_map(|l| l.split_once(".png: ")).map(|(stem, _)| stem).collect();
+    assert_eq!(figures, ["thesis-3.7", "thesis-5.6", "thesis-5.7", "thesis-5.8"], "{printed}");
     let page = folder.text("f/index.html");
     assert!(page.contains("The scene of the print, from its file") && !page.contains("The generated stand-in"));
     assert!(page.contains("--scene &quot;a scene/boards.scene.toml&quot; --view hall"), "the command that draws it");
 
     let refused = folder.run(&["figures", "--scene", file, "--only", "5.1", "-o", "g"]);
-    let said = String::from_utf8(refused.stderr).unwrap();
+    let message = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2));
-    assert!(said.contains("no such figure shows the scene of") && said.contains("5.8"), "{said}");
+    assert!(message.contains("no such figure shows the scene of") && message.contains("5.8"), "{message}");
 
     std::fs::write(folder.path("plain.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     for (file, why) in [("plain.obj", "no figure is drawn in this scene"), ("none.toml", "there is no such file")] {
         let refused = folder.run(&["figures", "--scene", file, "-o", "g"]);
-        let said = String::from_utf8(refused.stderr).unwrap();
-        assert!(refused.status.code() == Some(2) && said.contains(why), "{said}");
+        let message = String::from_utf8(refused.stderr).unwrap();
+        assert!(refused.status.code() == Some(2) && message.contains(why), "{message}");
     }
     assert!(!folder.path("g").exists());
 }
@@ -151,15 +151,15 @@ fn figures_are_drawn_in_a_file_of_the_scene_that_they_print() {
 #[test]
 fn indirect_light_comes_from_area_lights_alone() {
     let folder = Folder::new();
-    let bounced = |scene: &str, bounces: &str, to: &str| {
+    let render = |scene: &str, bounces: &str, to: &str| {
         let settings = ["--method", "reference", "--max-rays", "8", "--size", "32x32", "--diffuse-bounces", bounces];
         folder.run(&[&["render", "--scene", scene, "-o", to][..], &settings].concat())
     };
-    assert!(bounced("cornell-box", "0", "direct.png").status.success());
-    assert!(bounced("cornell-box", "4", "both.png").status.success());
+    assert!(render("cornell-box", "0", "direct.png").status.success());
+    assert!(render("cornell-box", "4", "both.png").status.success());
     let ceiling = |file: &str| mean(&folder.image(file), [8, 2, 24, 4]);
     assert!(ceiling("direct.png") < 4.0 && ceiling("both.png") > 20.0);
-    let refused = bounced("atrium", "1", "none.png");
+    let refused = render("atrium", "1", "none.png");
     let message = String::from_utf8(refused.stderr).unwrap();
     assert!(refused.status.code() == Some(2) && message.contains("has no rectangular area light"), "{message}");
     let refused = folder.run(&["render", "--method", "ssct", "--diffuse-bounces", "1", "-o", "x.png"]);

@@ -18,40 +18,40 @@ fn null_pointers_are_refused_by_every_function() {
     let mut inputs = Inputs::new(&mut program, SIDE);
     let context = program.context();
     let frame = inputs.frame();
-    let is_null = |result: SsctResult, argument: &str| {
+    let assert_null = |result: SsctResult, argument: &str| {
         assert_refused(result, &format!("the argument {argument} is NULL"));
     };
     unsafe {
-        is_null(ssct_context_create(null(), &mut null_mut()), "info");
-        is_null(ssct_context_create(&program.info(), null_mut()), "context");
-        is_null(ssct_context_device_info(null(), &mut sized(size_of::<SsctDeviceInfo>())), "context");
-        is_null(ssct_context_device_info(context, null_mut()), "info");
-        is_null(ssct_enable_features(null_mut(), null_mut(), null_mut()), "features");
-        is_null(ssct_reflections_create(null(), &view(SIDE), &mut null_mut()), "context");
-        is_null(ssct_reflections_create(context, null(), &mut null_mut()), "info");
-        is_null(ssct_reflections_create(context, &view(SIDE), null_mut()), "reflections");
+        assert_null(ssct_context_create(null(), &mut null_mut()), "info");
+        assert_null(ssct_context_create(&program.info(), null_mut()), "context");
+        assert_null(ssct_context_device_info(null(), &mut sized(size_of::<SsctDeviceInfo>())), "context");
+        assert_null(ssct_context_device_info(context, null_mut()), "info");
+        assert_null(ssct_enable_features(null_mut(), null_mut(), null_mut()), "features");
+        assert_null(ssct_reflections_create(null(), &view(SIDE), &mut null_mut()), "context");
+        assert_null(ssct_reflections_create(context, null(), &mut null_mut()), "info");
+        assert_null(ssct_reflections_create(context, &view(SIDE), null_mut()), "reflections");
         let parameters = SsctReflectionsInfo { parameter_count: 3, ..view(SIDE) };
-        is_null(ssct_reflections_create(context, &parameters, &mut null_mut()), "info.parameters");
-        is_null(ssct_reflections_resize(null_mut(), vk::Extent2D::default()), "reflections");
-        is_null(ssct_reflections_restart_history(null_mut()), "reflections");
-        is_null(ssct_reflections_record(null_mut(), program.commands, &frame, null_mut()), "reflections");
-        is_null(ssct_reflections_times(null_mut(), 0, &mut null(), &mut 0), "reflections");
-        is_null(ssct_capture_cubes_create(context, null(), &mut null_mut()), "info");
-        is_null(ssct_capture_cubes_record_face(null_mut(), program.commands, 0, null()), "cubes");
-        is_null(ssct_triangles_create(context, null(), 2, &mut null_mut()), "meshes");
-        is_null(ssct_triangles_create(null(), null(), 0, &mut null_mut()), "context");
-        is_null(ssct_triangles_record_upload(null_mut(), program.commands), "triangles");
+        assert_null(ssct_reflections_create(context, &parameters, &mut null_mut()), "info.parameters");
+        assert_null(ssct_reflections_resize(null_mut(), vk::Extent2D::default()), "reflections");
+        assert_null(ssct_reflections_restart_history(null_mut()), "reflections");
+        assert_null(ssct_reflections_record(null_mut(), program.commands, &frame, null_mut()), "reflections");
+        assert_null(ssct_reflections_times(null_mut(), 0, &mut null(), &mut 0), "reflections");
+        assert_null(ssct_capture_cubes_create(context, null(), &mut null_mut()), "info");
+        assert_null(ssct_capture_cubes_record_face(null_mut(), program.commands, 0, null()), "cubes");
+        assert_null(ssct_triangles_create(context, null(), 2, &mut null_mut()), "meshes");
+        assert_null(ssct_triangles_create(null(), null(), 0, &mut null_mut()), "context");
+        assert_null(ssct_triangles_record_upload(null_mut(), program.commands), "triangles");
         assert!(!ssct_context_has_timestamps(null()) && last_sentence().contains("context is NULL"));
         assert!(ssct_methods(null_mut()).is_null() && last_sentence().contains("count is NULL"));
         assert_eq!(ssct_context_allocated_bytes(null()), 0);
         ssct_context_trim(null());
 
         let reflections = make_reflections(context, &view(SIDE));
-        is_null(ssct_reflections_record(reflections, program.commands, null(), null_mut()), "frame");
+        assert_null(ssct_reflections_record(reflections, program.commands, null(), null_mut()), "frame");
         let result = ssct_reflections_record(reflections, vk::CommandBuffer::null(), &frame, null_mut());
         assert_refused(result, "the argument commands is a null handle");
-        is_null(ssct_reflections_times(reflections, 0, null_mut(), &mut 0), "times");
-        is_null(ssct_reflections_times(reflections, 0, &mut null(), null_mut()), "count");
+        assert_null(ssct_reflections_times(reflections, 0, null_mut(), &mut 0), "times");
+        assert_null(ssct_reflections_times(reflections, 0, &mut null(), null_mut()), "count");
         for (lacking, argument) in [
             (SsctFrame { camera: null(), ..frame }, "camera"),
             (SsctFrame { depth: null(), ..frame }, "frame.depth"),
@@ -60,7 +60,7 @@ fn null_pointers_are_refused_by_every_function() {
             (SsctFrame { roughness: null(), ..frame }, "frame.roughness"),
             (SsctFrame { color: null(), ..frame }, "frame.color"),
         ] {
-            is_null(ssct_reflections_record(reflections, program.commands, &lacking, null_mut()), argument);
+            assert_null(ssct_reflections_record(reflections, program.commands, &lacking, null_mut()), argument);
         }
         // NULL is no object, and nothing is destroyed.
         ssct_reflections_destroy(null_mut());
@@ -80,24 +80,24 @@ fn structs_of_wrong_sizes_are_refused_by_every_function() {
     unsafe {
         let reflections = make_reflections(context, &view(SIDE));
         for size in [0, 1, 7, 8, 4097, usize::MAX] {
-            let wrong = |result: SsctResult, name: &str| {
+            let assert_wrong = |result: SsctResult, name: &str| {
                 assert_refused(result, &format!("is {size}; it must be sizeof({name})"));
             };
             let info = SsctContextInfo { struct_size: size, ..program.info() };
-            wrong(ssct_context_create(&info, &mut null_mut()), "SsctContextInfo");
-            wrong(ssct_context_device_info(context, &mut sized(size)), "SsctDeviceInfo");
+            assert_wrong(ssct_context_create(&info, &mut null_mut()), "SsctContextInfo");
+            assert_wrong(ssct_context_device_info(context, &mut sized(size)), "SsctDeviceInfo");
             let info = SsctReflectionsInfo { struct_size: size, ..view(SIDE) };
-            wrong(ssct_reflections_create(context, &info, &mut null_mut()), "SsctReflectionsInfo");
+            assert_wrong(ssct_reflections_create(context, &info, &mut null_mut()), "SsctReflectionsInfo");
             let frame = SsctFrame { struct_size: size, ..inputs.frame() };
-            wrong(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctFrame");
+            assert_wrong(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctFrame");
             let frame = inputs.frame();
             let result = ssct_reflections_record(reflections, program.commands, &frame, &mut sized(size));
-            wrong(result, "SsctRecorded");
-            wrong(ssct_capture_cubes_create(context, &sized(size), &mut null_mut()), "SsctCaptureCubesInfo");
+            assert_wrong(result, "SsctRecorded");
+            assert_wrong(ssct_capture_cubes_create(context, &sized(size), &mut null_mut()), "SsctCaptureCubesInfo");
             let mut depth = *frame.depth;
             depth.struct_size = size;
             let frame = SsctFrame { depth: &depth, ..frame };
-            wrong(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctImage");
+            assert_wrong(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctImage");
         }
         ssct_reflections_destroy(reflections);
         ssct_context_destroy(context);
@@ -113,31 +113,34 @@ fn objects_that_were_destroyed_or_are_of_another_type_are_refused() {
         let reflections = make_reflections(context, &view(SIDE));
         let frame = inputs.frame();
         ssct_reflections_destroy(reflections);
-        let no_object = |result: SsctResult, name: &str| {
+        let assert_no_object = |result: SsctResult, name: &str| {
             assert_refused(result, &format!("is no {name}: it was destroyed, or never made"));
         };
-        no_object(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctReflections");
-        no_object(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
-        no_object(ssct_reflections_restart_history(reflections), "SsctReflections");
-        no_object(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
+        assert_no_object(ssct_reflections_record(reflections, program.commands, &frame, null_mut()), "SsctReflections");
+        assert_no_object(ssct_reflections_resize(reflections, vk::Extent2D { width: 8, height: 8 }), "SsctReflections");
+        assert_no_object(ssct_reflections_restart_history(reflections), "SsctReflections");
+        assert_no_object(ssct_reflections_times(reflections, 0, &mut null(), &mut 0), "SsctReflections");
         // A second call of the function that destroys does nothing, and the sentence says so.
         ssct_reflections_destroy(reflections);
         assert!(last_sentence().contains("is no SsctReflections"), "{}", last_sentence());
         // The handle of a context is refused as triangles, and an address that the library did not return is refused as
         // any object.
-        no_object(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
+        assert_no_object(ssct_triangles_record_upload(context.cast(), program.commands), "SsctTriangles");
         ssct_triangles_destroy(context.cast());
         assert!(last_sentence().contains("is no SsctTriangles"), "{}", last_sentence());
-        no_object(ssct_capture_cubes_record_face(dangling_mut(), program.commands, 0, null()), "SsctCaptureCubes");
-        let whole = make_reflections(context, &view(SIDE));
-        for given in [SsctFrame { captures: dangling(), ..frame }, SsctFrame { triangles: dangling(), ..frame }] {
-            let result = ssct_reflections_record(whole, program.commands, &given, null_mut());
+        assert_no_object(
+            ssct_capture_cubes_record_face(dangling_mut(), program.commands, 0, null()),
+            "SsctCaptureCubes",
+        );
+        let intact = make_reflections(context, &view(SIDE));
+        for frame in [SsctFrame { captures: dangling(), ..frame }, SsctFrame { triangles: dangling(), ..frame }] {
+            let result = ssct_reflections_record(intact, program.commands, &frame, null_mut());
             assert_refused(result, "it was destroyed, or never made");
         }
         ssct_context_destroy(context);
-        no_object(ssct_reflections_create(context, &view(SIDE), &mut null_mut()), "SsctContext");
+        assert_no_object(ssct_reflections_create(context, &view(SIDE), &mut null_mut()), "SsctContext");
         assert!(!ssct_context_has_timestamps(context) && last_sentence().contains("is no SsctContext"));
-        ssct_reflections_destroy(whole);
+        ssct_reflections_destroy(intact);
     }
 }
 
@@ -151,13 +154,13 @@ fn two_threads_on_one_object_take_turns_or_are_refused() {
     // All threads may use a context at once. One thread at a time may use reflections, and a second call at the same
     // time is refused.
     let resized: usize = std::thread::scope(|scope| {
-        let resizing = |first: u32| {
+        let resizing = |first_side: u32| {
             let begin = &begin;
             scope.spawn(move || {
                 begin.wait();
                 let mut done = 0;
-                for n in 0..40 {
-                    let side = first + n % 2;
+                for call in 0..40 {
+                    let side = first_side + call % 2;
                     let extent = vk::Extent2D { width: side, height: side };
                     let result = unsafe { ssct_reflections_resize(address as *mut SsctReflections, extent) };
                     match result {
@@ -168,13 +171,13 @@ fn two_threads_on_one_object_take_turns_or_are_refused() {
                 done
             })
         };
-        let both = [resizing(16), resizing(24)];
+        let threads = [resizing(16), resizing(24)];
         begin.wait();
         for _ in 0..40 {
             unsafe { ssct_context_trim(context_address as *const SsctContext) };
             assert!(unsafe { ssct_context_allocated_bytes(context_address as *const SsctContext) } > 0);
         }
-        both.into_iter().map(|thread| thread.join().unwrap()).sum()
+        threads.into_iter().map(|thread| thread.join().unwrap()).sum()
     });
     assert!(resized > 0);
     // The reflections are whole, and can be used as before.

@@ -52,16 +52,16 @@ pub struct Program {
 impl Program {
     /// Makes an instance with the layers, and a device with the features that the library needs.
     pub fn new() -> Self {
-        static ONE: Mutex<()> = Mutex::new(());
-        let alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+        static RUNNING: Mutex<()> = Mutex::new(());
+        let alone = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
         MESSAGES.store(0, Ordering::Relaxed);
         unsafe {
             let entry = ash::Entry::load().unwrap();
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
             let (layers, extensions) =
                 ([c"VK_LAYER_KHRONOS_validation".as_ptr()], [ash::ext::debug_utils::NAME.as_ptr()]);
-            let on = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-            let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&on);
+            let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+            let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
             let info = vk::InstanceCreateInfo::default()
                 .application_info(&application)
                 .enabled_layer_names(&layers)
@@ -133,8 +133,8 @@ impl Program {
         context
     }
 
-    /// Makes an image whose texels all have one value, ready to be sampled in fragment shaders. Six layers make a cube
-    /// map.
+    /// Makes an image of `side` × `side` texels that all have one value, ready to be sampled in fragment shaders. Six
+    /// layers make a cube map.
     pub fn image(&mut self, format: vk::Format, side: u32, value: [f32; 4], layers: u32) -> SsctImage {
         let (aspect, usage) = (
             vk::ImageAspectFlags::COLOR,
@@ -194,8 +194,8 @@ impl Program {
         }
     }
 
-    /// Reads the texels of an image of half floats. `record` records a frame, and returns the image in the layout for
-    /// copies.
+    /// Reads the texels of an image of half floats, row by row. `record` records the frame that makes the image of
+    /// `side` × `side` texels, and returns the image in the layout for copies.
     pub fn read(&self, side: u32, record: impl FnOnce(vk::CommandBuffer) -> vk::Image) -> Vec<[u16; 4]> {
         use vk::MemoryPropertyFlags as P;
         let texels = (side * side) as usize;

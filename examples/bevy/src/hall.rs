@@ -159,9 +159,9 @@ pub fn spawn(
                 ..default()
             },
         };
-        let mut thing = commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material)), transform));
+        let mut object = commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material)), transform));
         if number == last {
-            thing.insert(Moving);
+            object.insert(Moving);
         }
     }
 }

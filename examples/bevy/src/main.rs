@@ -192,27 +192,30 @@ fn set_up(app: &mut App, options: &Options) -> Result<Entity> {
         if options.hall.is_mirrored { hall::mirrored_camera() } else { hall::camera() },
     );
     let camera = world.spawn(camera).id();
-    let bevys = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
-    let ours = SsctReflections::default();
+    let bevy_reflections = ScreenSpaceReflections { min_perceptual_roughness: 0.0..0.0, ..default() };
+    let ssct_reflections = SsctReflections::default();
     let mut entity = world.entity_mut(camera);
     if let Some(sky) = sky {
         entity.insert(sky);
     }
     match options.with.as_str() {
-        "ssct" => entity.insert(ours),
-        "guess" => {
-            entity.insert(SsctReflections { parameters: vec![("hit-color".into(), "triangles".into())], ..ours })
-        }
+        "ssct" => entity.insert(ssct_reflections),
+        "guess" => entity
+            .insert(SsctReflections { parameters: vec![("hit-color".into(), "triangles".into())], ..ssct_reflections }),
         // Bevy's reflections do not fade out at the borders of the screen either.
-        "screen" => {
-            entity.insert(SsctReflections { world: false, parameters: vec![("fade".into(), "off".into())], ..ours })
-        }
-        "traced" => entity.insert(SsctReflections { method: "traced".into(), ..ours }),
-        "history" => entity.insert(SsctReflections { history: true, ..ours }),
+        "screen" => entity.insert(SsctReflections {
+            world: false,
+            parameters: vec![("fade".into(), "off".into())],
+            ..ssct_reflections
+        }),
+        "traced" => entity.insert(SsctReflections { method: "traced".into(), ..ssct_reflections }),
+        "history" => entity.insert(SsctReflections { history: true, ..ssct_reflections }),
         // The app has the plugin, but the camera lacks the component.
         "off" => &mut entity,
-        "bevy" => entity.insert(bevys),
-        "bevy-steps" => entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..bevys }),
+        "bevy" => entity.insert(bevy_reflections),
+        "bevy-steps" => {
+            entity.insert(ScreenSpaceReflections { linear_steps: 100, bisection_steps: 8, ..bevy_reflections })
+        }
         "nothing" => {
             entity.insert((bevy::core_pipeline::prepass::DepthPrepass, bevy::core_pipeline::prepass::DeferredPrepass))
         }

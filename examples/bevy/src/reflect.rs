@@ -143,7 +143,7 @@ struct Viewed {
     settings: SsctReflections,
     reflections: ssct::Reflections,
     /// The images that `reflections` write, as textures of wgpu: one, or two in turn with a history.
-    made: Vec<(ash::vk::Image, Picture)>,
+    outputs: Vec<(ash::vk::Image, Picture)>,
     normal: Picture,
     material: Picture,
     depth: Option<Picture>,
@@ -244,11 +244,12 @@ impl Frame<'_> {
         let deferred = self.prepass.deferred_view().ok_or("there is no deferred prepass")?;
         let settings = &self.reflected.settings.for_world(world);
         let environment = self.environment();
+        // wgpu refuses an encoder that has both its own commands and raw ones, so that the raw ones get this encoder.
         let mut raw = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("ssct") });
 
         if settings.world && triangles.as_ref().is_none_or(|built| built.changes != world.changes) {
-            let old = triangles.replace(Built::new(world, context, &mut raw)?);
-            retired.extend(old.map(|old| (*frame, Box::new(old.triangles) as _)));
+            let replaced = triangles.replace(Built::new(world, context, &mut raw)?);
+            retired.extend(replaced.map(|built| (*frame, Box::new(built.triangles) as _)));
         }
         let triangles = triangles.as_ref().filter(|_| settings.world).map(|built| &built.triangles);
 
@@ -302,12 +303,12 @@ impl Frame<'_> {
         // SAFETY: the command buffer is recording outside rendering. It is submitted after the commands that write its
         // inputs, in the order of frames, and the last frame with this slot is done.
         let recorded = unsafe { in_raw(&mut raw, |commands| reflections.record(commands, &frame_input)) }??;
-        let made = recorded.reflection.ok_or("the reflection was asked for")?;
-        let known = viewed.made.iter().position(|(image, _)| *image == made.image);
+        let output = recorded.reflection.ok_or("the reflection was asked for")?;
+        let known = viewed.outputs.iter().position(|(image, _)| *image == output.image);
         if known.is_none() {
-            viewed.made.push((made.image, passes::adopt(device, &made)?));
+            viewed.outputs.push((output.image, passes::adopt(device, &output)?));
         }
-        let (_, reflection) = &viewed.made[known.unwrap_or(viewed.made.len() - 1)];
+        let (_, reflection) = &viewed.outputs[known.unwrap_or(viewed.outputs.len() - 1)];
         ctx.add_command_buffer(raw.finish());
 
         let encoder = ctx.command_encoder();
@@ -327,9 +328,13 @@ impl Frame<'_> {
             let kept = viewed.depth.get_or_insert_with(|| picture(device, "depth", extent, passes::DEPTH));
             draw(device, encoder, &passes.depth, &[depth_buffer], &[&kept.view], 0);
             let (normal, material) = (&viewed.normal.texture, &viewed.material.texture);
-            let made = [("color", lit), ("reflection", &reflection.texture)];
-            let images = [("depth", &kept.texture), ("normal", normal), ("material", material)].into_iter().chain(made);
-            let images: Vec<_> = images.collect();
+            let images = [
+                ("depth", &kept.texture),
+                ("normal", normal),
+                ("material", material),
+                ("color", lit),
+                ("reflection", &reflection.texture),
+            ];
             lock(&reflecting.pending).push(Pending::record(device, encoder, folder, matrices, &images));
         }
         Ok(())
@@ -381,16 +386,16 @@ impl Frame<'_> {
         [self.extracted.clip_from_view.to_cols_array(), world_to_view.to_cols_array()]
     }
 
-    /// The uniform block of this camera's passes.
+    /// The uniform block `View` of this camera's passes; passes.wgsl says what its fields mean.
     fn block(
         &self,
         [view_to_clip, world_to_view]: &[[f32; 16]; 2],
         environment: Option<(Environment, &GpuImage)>,
     ) -> View {
         let clip_from_world = Mat4::from_cols_array(view_to_clip) * Mat4::from_cols_array(world_to_view);
-        let eye = self.extracted.world_from_view.to_matrix();
+        let pose = self.extracted.world_from_view.to_matrix();
         let is_orthographic = view_to_clip[15] == 1.0;
-        let eye = if is_orthographic { eye.z_axis.truncate().extend(1.0) } else { eye.w_axis.truncate().extend(0.0) };
+        let eye = if is_orthographic { pose.z_axis.truncate().extend(1.0) } else { pose.w_axis.truncate().extend(0.0) };
         let (rotation, exposure) = environment.map_or((Quat::IDENTITY, 0.0), |(e, _)| (e.rotation, e.exposure));
         let range = &self.reflected.settings.max_perceptual_roughness;
         View {
@@ -428,7 +433,7 @@ impl Viewed {
         Ok(Self {
             settings: settings.clone(),
             reflections: ssct::Reflections::new(context, &info)?,
-            made: Vec::new(),
+            outputs: Vec::new(),
             normal: picture(device, "ssct normal", extent, HALF),
             material: picture(device, "ssct material", extent, PAIR),
             depth: None,

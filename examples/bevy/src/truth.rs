@@ -77,18 +77,21 @@ pub fn picture(
     };
     // The pixels are divided into as many parts as the processor runs threads.
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let (all, part) = (width * height, (width * height).div_ceil(threads));
+    let pixel_count = width * height;
+    let part_size = pixel_count.div_ceil(threads);
     let pixel = &pixel;
     std::thread::scope(|scope| {
-        let parts = (0..all)
-            .step_by(part)
-            .map(|first| scope.spawn(move || (first..(first + part).min(all)).map(pixel).collect::<Vec<_>>()));
-        let parts: Vec<_> = parts.collect();
-        parts.into_iter().flat_map(|part| part.join().unwrap_or_default()).collect()
+        let draw_part = |first: usize| {
+            let end = (first + part_size).min(pixel_count);
+            scope.spawn(move || (first..end).map(pixel).collect::<Vec<_>>())
+        };
+        let running: Vec<_> = (0..pixel_count).step_by(part_size).map(draw_part).collect();
+        running.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect()
     })
 }
 
-/// Returns the nearest hit of a ray, by the method of Möller and Trumbore (1997); `None` if it misses every triangle.
+/// Returns the nearest hit of a ray, by the method of Möller and Trumbore (1997), whose letters the variables have;
+/// `None` if it misses every triangle.
 fn nearest(triangles: &[Triangle], origin: Vec3, direction: Vec3) -> Option<RayHit<'_>> {
     let mut best: Option<RayHit> = None;
     for triangle in triangles {

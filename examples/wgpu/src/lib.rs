@@ -49,8 +49,8 @@ pub fn open(
     unsafe {
         let adapter = adapter.as_hal::<Vulkan>().ok_or(NO_VULKAN)?;
         let extensions = adapter.required_device_extensions(features);
-        let mut of_wgpu = adapter.physical_device_features(&extensions, features);
-        let enabled = enabled_features(of_wgpu.get_core());
+        let mut wgpu_features = adapter.physical_device_features(&extensions, features);
+        let enabled = enabled_features(wgpu_features.get_core());
         // wgpu chains one structure for each feature, and Vulkan does not allow the structure of a whole version beside
         // them.
         let mut host_query_reset = vk::PhysicalDeviceHostQueryResetFeatures::default().host_query_reset(true);
@@ -59,7 +59,7 @@ pub fn open(
         let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(0).queue_priorities(&[1.0])];
         let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&names);
-        let info = of_wgpu
+        let info = wgpu_features
             .add_to_device_create(info)
             .enabled_features(&enabled.core)
             .push_next(&mut host_query_reset)
@@ -80,11 +80,11 @@ pub fn open(
     }
 }
 
-/// Returns the features that [`open`] turns on: `of_wgpu`, the features of Vulkan 1.0 that wgpu turns on, and those
-/// that `ssct` needs. Every feature in the list must be on, since `Context::new` checks by this list that it has what
-/// it needs.
-fn enabled_features(of_wgpu: vk::PhysicalDeviceFeatures) -> ssct::EnabledFeatures {
-    let mut wanted = ssct::EnabledFeatures { core: of_wgpu, ..Default::default() };
+/// Returns the features that [`open`] turns on: `wgpu_features`, the features of Vulkan 1.0 that wgpu turns on, and
+/// those that `ssct` needs. Every feature in the list must be on, since `Context::new` checks by this list that it has
+/// what it needs.
+fn enabled_features(wgpu_features: vk::PhysicalDeviceFeatures) -> ssct::EnabledFeatures {
+    let mut wanted = ssct::EnabledFeatures { core: wgpu_features, ..Default::default() };
     ssct::enable_features(&mut wanted.core, &mut wanted.vulkan12, &mut wanted.vulkan13);
     ssct::EnabledFeatures {
         core: wanted.core,
@@ -179,12 +179,13 @@ pub fn adopt(device: &wgpu::Device, name: &str, image: &ssct::OutputImage) -> Re
         memory_flags: wgpu::hal::MemoryFlags::empty(),
         view_formats: Vec::new(),
     };
-    let (stays, memory) = (Box::new(|| ()), wgpu::hal::vulkan::TextureMemory::External);
+    // wgpu calls this function in place of destroying the image.
+    let (on_drop, memory) = (Box::new(|| ()), wgpu::hal::vulkan::TextureMemory::External);
     // SAFETY: the image belongs to the device, matches the description, and is in the state `RESOURCE` when wgpu first
     // uses it.
     unsafe {
         let hal = device.as_hal::<Vulkan>().ok_or(NO_VULKAN)?;
-        let texture = hal.texture_from_raw(image.image, &raw, Some(stays), memory);
+        let texture = hal.texture_from_raw(image.image, &raw, Some(on_drop), memory);
         drop(hal);
         Ok(device.create_texture_from_hal::<Vulkan>(texture, &description, wgpu::TextureUses::RESOURCE))
     }

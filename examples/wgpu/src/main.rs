@@ -22,14 +22,14 @@ const FRAMES_IN_FLIGHT: usize = 2;
 /// of wgpu.
 fn camera() -> ([f32; 16], [f32; 16]) {
     let (near, far, aspect) = (0.1_f32, 200.0_f32, SIZE[0] as f32 / SIZE[1] as f32);
-    let f = 1.0 / (0.5 * 55_f32.to_radians()).tan();
+    let scale = 1.0 / (0.5 * 55_f32.to_radians()).tan();
     let (a, b) = (near / (far - near), near * far / (far - near));
-    let view_to_clip = [f / aspect, 0., 0., 0., 0., f, 0., 0., 0., 0., a, -1., 0., 0., b, 0.];
+    let view_to_clip = [scale / aspect, 0., 0., 0., 0., scale, 0., 0., 0., 0., a, -1., 0., 0., b, 0.];
     // Two metres above the floor, looking down a little.
     let (sin, cos) = 0.18_f32.sin_cos();
-    let (y, z) = (2.0_f32, 6.0_f32);
-    let world_to_view =
-        [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., -(cos * y) + sin * z, -(sin * y) - cos * z, 1.];
+    let (eye_y, eye_z) = (2.0_f32, 6.0_f32);
+    let (offset_y, offset_z) = (-(cos * eye_y) + sin * eye_z, -(sin * eye_y) - cos * eye_z);
+    let world_to_view = [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., offset_y, offset_z, 1.];
     (view_to_clip, world_to_view)
 }
 
@@ -111,15 +111,21 @@ fn main() -> Result<()> {
     }
 
     let composite = composite.ok_or("no frame was drawn")?;
-    let made = [("composite", &composite), ("normal", &normal), ("material", &material), ("color", &color)];
-    let rest = [("depth", &depth), ("screen", &screen)];
-    let wanted: Vec<_> = made.into_iter().chain(rest).collect();
-    let mut read = renderer.read(wanted.iter().map(|(_, picture)| *picture))?;
-    let pixels = read.pop().ok_or("nothing was read")?;
-    image::RgbaImage::from_raw(SIZE[0], SIZE[1], pixels).ok_or("a picture of another size")?.save(output)?;
+    // The screen is last, since it becomes the picture and is not written to the folder.
+    let pictures = [
+        ("composite", &composite),
+        ("normal", &normal),
+        ("material", &material),
+        ("color", &color),
+        ("depth", &depth),
+        ("screen", &screen),
+    ];
+    let mut bytes_of_pictures = renderer.read(pictures.iter().map(|(_, picture)| *picture))?;
+    let screen_bytes = bytes_of_pictures.pop().ok_or("nothing was read")?;
+    image::RgbaImage::from_raw(SIZE[0], SIZE[1], screen_bytes).ok_or("a picture of another size")?.save(output)?;
     if let Some(folder) = arguments.get(1) {
         std::fs::create_dir_all(folder)?;
-        for ((name, picture), bytes) in wanted.iter().zip(&read) {
+        for ((name, picture), bytes) in pictures.iter().zip(&bytes_of_pictures) {
             std::fs::write(format!("{folder}/{name}.f32"), embed_wgpu::floats(bytes, picture.texture.format()))?;
         }
         let numbers: Vec<u8> = view_to_clip.iter().chain(&world_to_view).flat_map(|v| v.to_le_bytes()).collect();

@@ -80,12 +80,12 @@ impl Renderer {
     pub fn draw(&self, colors: [&Picture; 3], depth: &Picture) -> wgpu::CommandBuffer {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         render(&mut encoder, &self.scene, &self.camera, &colors, Some(depth));
-        let all = colors.into_iter().chain([depth]).map(|picture| wgpu::TextureTransition {
+        let transitions = colors.into_iter().chain([depth]).map(|picture| wgpu::TextureTransition {
             texture: &picture.texture,
             selector: None,
             state: wgpu::TextureUses::RESOURCE,
         });
-        encoder.transition_resources(std::iter::empty(), all);
+        encoder.transition_resources(std::iter::empty(), transitions);
         encoder.finish()
     }
 

@@ -8,7 +8,7 @@ use ssct_lab::report::images::display;
 use std::path::Path;
 
 /// The greatest difference between two bytes of a colour that counts as invisible.
-const SAME: u8 = 3;
+const INVISIBLE: u8 = 3;
 /// The speed of the colour quantisation, from 1 (best quality) to 30.
 const SPEED: i32 = 10;
 
@@ -49,10 +49,11 @@ impl Animation {
         }
         let mut rgba = vec![0; self.seen.len()];
         let texels = rgb.bytes.chunks_exact(3).zip(self.seen.chunks_exact_mut(4)).zip(rgba.chunks_exact_mut(4));
-        for ((current, seen), out) in texels {
-            if is_first || current.iter().zip(&*seen).any(|(a, b)| a.abs_diff(*b) > SAME) {
-                out.copy_from_slice(&[current[0], current[1], current[2], 255]);
-                seen.copy_from_slice(out);
+        // The texel of the screen, what the frames so far show there, and the texel of the frame that is added.
+        for ((current, seen), added) in texels {
+            if is_first || current.iter().zip(&*seen).any(|(a, b)| a.abs_diff(*b) > INVISIBLE) {
+                added.copy_from_slice(&[current[0], current[1], current[2], 255]);
+                seen.copy_from_slice(added);
             }
         }
         self.frames.push(rgba);

@@ -76,36 +76,36 @@ impl CubeImage {
     ) -> Result<Vec<[f32; 4]>> {
         let first_layer = 6 * self.capture as u32;
         // Sides in texels of a face at level 0, and at the level that is read.
-        let [full, _] = captures.color.extent();
+        let [full_side, _] = captures.color.extent();
         let level = level.min(self.levels(captures) - 1);
-        let side = (full >> level).max(1);
-        let read = context.read(match self.part {
+        let side = (full_side >> level).max(1);
+        let layers = context.read(match self.part {
             CubePart::Color => captures.color.level(level),
             CubePart::Depth => captures.pyramid.level(0),
             CubePart::Normal => captures.normal.level(0),
         })?;
-        let strip = pyramid::strip([full; 2]);
-        let rows = pyramid::size([full; 2], strip)[1];
+        let strip = pyramid::strip([full_side; 2]);
+        let rows = pyramid::size([full_side; 2], strip)[1];
         let cross = Cross::new(extent);
         let texel = |i: u32| {
             let pixel = Vec2::new((i % extent[0]) as f32, (i / extent[0]) as f32) + 0.5;
             let Some((face, uv)) = cross.face_at(pixel) else { return [0.0, 0.0, 0.0, 1.0] };
             let [x, y] = uv.to_array().map(|v| ((v * side as f32) as u32).min(side - 1));
-            // The layers of the image are read one below the other.
+            // In `layers`, the layers of the image lie one below the other.
             let layer = first_layer + face as u32;
             match self.part {
                 CubePart::Color => {
                     // The alpha is the share that is not sky.
-                    let color = read.texel(x, layer * side + y);
+                    let color = layers.texel(x, layer * side + y);
                     let sky_color = sky::radiance(sky::face_direction(face, uv.x, uv.y)) * (1.0 - color[3]);
                     (Vec3::from_slice(color) + sky_color).extend(1.0).to_array()
                 }
                 CubePart::Depth => {
                     // Fronts stand in strips of columns (`shaders-glsl/unified/pyramid.glsl`).
-                    let front = read.texel((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0];
+                    let front = layers.texel((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0];
                     [front.max(0.0), 0.0, 0.0, 1.0]
                 }
-                CubePart::Normal => Vec3::from_slice(read.texel(x, layer * side + y)).extend(1.0).to_array(),
+                CubePart::Normal => Vec3::from_slice(layers.texel(x, layer * side + y)).extend(1.0).to_array(),
             }
         };
         Ok((0..extent[0] * extent[1]).map(texel).collect())
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_found_again() {
+    fn every_image_is_found_by_its_name_and_by_no_other() {
         for image in CubeImage::all(3) {
             assert_eq!(CubeImage::find(&image.name()), Some(image));
         }

@@ -52,15 +52,14 @@ impl Viewer {
             has_work = true;
         }
         let content = self.pictures.shown(0).map(|s| s.content);
-        let look = PictureDisplay {
+        self.display = Some(PictureDisplay {
             area,
             compare: self.state.compare,
             split: self.state.split,
             gain: self.state.gain,
             tone: self.state.shown_tone(content.unwrap_or(Content::Color)),
             lens: self.pictures.shown(0).and_then(|s| s.lens).unwrap_or(request.camera.lens),
-        };
-        self.display = Some(look);
+        });
         Ok(has_work)
     }
 
@@ -123,11 +122,13 @@ impl Viewer {
             Some(c) => c as usize..c as usize + 1,
             None => 0..3,
         };
+        // The range is that of the numbers after the exposure.
         let factor = tone.exposure_stops.exp2();
         let numbers = pixels.texels().flat_map(|t| t[channels.clone()].iter()).copied().filter(|v| v.is_finite());
-        let (low, high) = numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        if low <= high {
-            self.state.tone.range = [low * factor, (high * factor).max(low * factor + 1e-6)];
+        let nothing = (f32::INFINITY, f32::NEG_INFINITY);
+        let (least, greatest) = numbers.fold(nothing, |(least, greatest), v| (least.min(v), greatest.max(v)));
+        if least <= greatest {
+            self.state.tone.range = [least * factor, (greatest * factor).max(least * factor + 1e-6)];
         }
         Ok(())
     }

@@ -90,7 +90,7 @@ mod tests {
     fn opposite_keys_cancel_and_shift_is_fast() {
         let motion_of = |keys: &[KeyCode]| motion_of_keys(&keys.iter().copied().collect());
         assert!(!motion_of(&[KeyCode::KeyW, KeyCode::KeyS]).is_moving());
-        let m = motion_of(&[KeyCode::KeyA, KeyCode::KeyE, KeyCode::ShiftLeft]);
-        assert_eq!((m.direction, m.fast), (Vec3::new(-1.0, 1.0, 0.0), true));
+        let motion = motion_of(&[KeyCode::KeyA, KeyCode::KeyE, KeyCode::ShiftLeft]);
+        assert_eq!((motion.direction, motion.fast), (Vec3::new(-1.0, 1.0, 0.0), true));
     }
 }

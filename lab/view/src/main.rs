@@ -140,11 +140,11 @@ fn write_out(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64;
         animation.write(path)?;
     }
     if options.json {
-        // The numbers of submissions after the last frame and when the window closed.
-        let [then, now] = script.submissions;
+        let [after_last_frame, at_close] = script.submissions;
         let summary = serde_json::json!({
             "kind": "view", "definitions": study::record::DEFINITIONS, "device": gpu.info(),
-            "frames": rendered, "drawings": drawn, "submissions": now, "submissions_while_idle": now - then,
+            "frames": rendered, "drawings": drawn,
+            "submissions": at_close, "submissions_while_idle": at_close - after_last_frame,
             "idle_s": options.stay.map(|d| d.as_secs_f64()),
             "validation": options.common.device.validation.then(|| gpu.validation().len()),
         });
@@ -161,8 +161,8 @@ fn compared_sides(options: &ViewOptions) -> Result<[Side; 2]> {
         // The key `C` compares with this method until the user chooses another one.
         None => METHODS.iter().find(|m| m.name != first.name).unwrap_or(first),
     };
-    let given = method_options(&std::env::args_os().collect::<Vec<_>>());
-    let side = |method: &'static MethodInfo| Side::new(method, given.clone());
+    let typed_options = method_options(&std::env::args_os().collect::<Vec<_>>());
+    let side = |method: &'static MethodInfo| Side::new(method, typed_options.clone());
     let sides = [side(first), side(second)];
     // The other method may lack some of the options: it leaves them out, and the panel says so.
     match &sides[0].fault {

@@ -100,9 +100,9 @@ fn handle_mouse(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, ac
         state.picked = Some(pixel_at(area, data.extent, pointer));
     }
     if response.hovered() {
-        let notches: f32 = ui.input(|i| i.events.iter().filter_map(notches).sum());
-        if notches != 0.0 {
-            state.camera.change_speed(notches);
+        let wheel_notches: f32 = ui.input(|i| i.events.iter().filter_map(notches).sum());
+        if wheel_notches != 0.0 {
+            state.camera.change_speed(wheel_notches);
         }
     }
 }

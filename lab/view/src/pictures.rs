@@ -159,7 +159,7 @@ impl Pictures {
 
     /// Renders a frame of each method of a request, and keeps the pictures.
     pub fn render(&mut self, request: &FrameRequest) -> Result<()> {
-        let new_materials = self.materials != request.materials;
+        let materials_changed = self.materials != request.materials;
         self.shown_request = None;
         if self.captures != request.captures {
             // The methods keep images whose number and size follow from the captures.
@@ -188,7 +188,7 @@ impl Pictures {
                 if let Some(shown) = &mut self.shown[i] {
                     shown.history.clear();
                 }
-            } else if let (true, Some(shown)) = (new_materials, &mut self.shown[i]) {
+            } else if let (true, Some(shown)) = (materials_changed, &mut self.shown[i]) {
                 shown.shot.set_materials(&mut self.stage, request.materials.clone())?;
                 shown.kept_cube = None;
             }
@@ -196,14 +196,17 @@ impl Pictures {
                 shown.render(&mut self.stage, request)?;
             }
         }
-        if new_materials {
+        if materials_changed {
             self.shot_with_hits = None;
             self.materials.clone_from(&request.materials);
         }
-        let further_frames = |shown: &ShownMethod| shown.shot.frames_at_rest() - 1;
-        let most = self.shown.iter().flatten().map(further_frames).max().unwrap_or_default();
-        self.frames_to_settle =
-            if self.last_request.as_ref() == Some(request) { self.frames_to_settle.saturating_sub(1) } else { most };
+        // A request that is repeated brings the histories a frame further; another one begins them anew.
+        self.frames_to_settle = if self.last_request.as_ref() == Some(request) {
+            self.frames_to_settle.saturating_sub(1)
+        } else {
+            let further_frames = |shown: &ShownMethod| shown.shot.frames_at_rest() - 1;
+            self.shown.iter().flatten().map(further_frames).max().unwrap_or_default()
+        };
         self.shown_request = Some(request.clone());
         self.last_request = Some(request.clone());
         Ok(())

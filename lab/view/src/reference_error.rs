@@ -104,12 +104,12 @@ impl ReferenceComparison {
 
 /// Compares the methods' reflections with the reference, if the cache folder has one.
 fn compare(request: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
-    let states = cache.as_ref().and_then(|folder| std::fs::read_dir(folder).ok());
-    let is_state = |e: std::io::Result<std::fs::DirEntry>| {
-        e.is_ok_and(|e| e.path().extension().is_some_and(|extension| extension == "world"))
+    let entries = cache.as_ref().and_then(|folder| std::fs::read_dir(folder).ok());
+    let is_state = |entry: std::io::Result<std::fs::DirEntry>| {
+        entry.is_ok_and(|entry| entry.path().extension().is_some_and(|extension| extension == "world"))
     };
     // If the cache is empty, the first hits, which determine the file's name, need not be traced.
-    let (Some(folder), true) = (cache, states.is_some_and(|mut all| all.any(is_state))) else {
+    let (Some(folder), true) = (cache, entries.is_some_and(|mut entries| entries.any(is_state))) else {
         return ComparisonOutcome::NoReference;
     };
     let world = World::new(&request.scene, &request.materials);
@@ -156,7 +156,7 @@ mod tests {
             effect,
             reflections,
         };
-        let outcome = |q: &ComparisonRequest| compare(q, Some(cache.path().to_path_buf()));
+        let outcome = |inputs: &ComparisonRequest| compare(inputs, Some(cache.path().to_path_buf()));
         let effect = Setup::new(extent).effect();
         let first = request(vec![black.clone()], materials.clone(), effect);
         assert_eq!(outcome(&first), ComparisonOutcome::NoReference);

@@ -51,9 +51,9 @@ impl ShaderWatch {
     /// Scans the files, compiles the shaders that may have changed since the last scan, and returns those whose result
     /// is new.
     pub fn scan(&mut self) -> Vec<ShaderChange> {
-        let found = stamps(&self.root);
+        let stamps = stamps(&self.root);
         let is_new = |path: &PathBuf, stamp: &Stamp| self.seen.get(path) != Some(stamp);
-        let changed: Vec<&PathBuf> = found.iter().filter(|(path, s)| is_new(path, s)).map(|(path, _)| path).collect();
+        let changed: Vec<&PathBuf> = stamps.iter().filter(|(path, s)| is_new(path, s)).map(|(path, _)| path).collect();
         if changed.is_empty() {
             return Vec::new();
         }
@@ -75,7 +75,7 @@ impl ShaderWatch {
                 changes.push((shader, compiled));
             }
         }
-        self.seen = found;
+        self.seen = stamps;
         changes
     }
 
@@ -150,14 +150,14 @@ mod tests {
         edit("thesis/hi_z_ray_trace.glsl", "i++ >= thesis.iterations", "i++ > thesis.iterations");
         let changes = watch.scan();
         assert!(names(&changes).contains(&"thesis/ssct.frag") && !names(&changes).contains(&"thesis/hi_z.frag"));
-        assert!(changes.iter().all(|(_, made)| made.is_ok()), "{changes:?}");
+        assert!(changes.iter().all(|(_, compiled)| compiled.is_ok()), "{changes:?}");
         assert!(watch.scan().is_empty(), "a change is reported once");
 
         edit("poster/cone_march.frag", "edgeHits >= poster", "edgeHits > poster");
         let changes = watch.scan();
-        let either = ["poster/cone_march.frag", "poster/cone_march.frag COMPUTE"];
-        let volumes = ["poster/cone_march.frag VOLUME", "poster/cone_march.frag VOLUME COMPUTE"];
-        assert_eq!(names(&changes), [either, volumes].concat());
+        let with_mips = ["poster/cone_march.frag", "poster/cone_march.frag COMPUTE"];
+        let with_volumes = ["poster/cone_march.frag VOLUME", "poster/cone_march.frag VOLUME COMPUTE"];
+        assert_eq!(names(&changes), [with_mips, with_volumes].concat());
         let [(_, Ok(mip)), (_, Ok(_)), (_, Ok(volume)), (_, Ok(_))] = &changes[..] else { panic!("{changes:?}") };
         assert_ne!(mip, volume, "each with what is defined for it");
 

@@ -172,9 +172,9 @@ impl State {
     /// Gives the first side the next method of the list of all methods. The first method follows the last.
     pub fn next_method(&mut self) {
         let side = &mut self.sides[0];
-        let all = methods::all();
-        let current = all.iter().position(|m| m.name == side.method.name).unwrap_or(0);
-        side.method = all[(current + 1) % all.len()];
+        let list = methods::all();
+        let current = list.iter().position(|m| m.name == side.method.name).unwrap_or(0);
+        side.method = list[(current + 1) % list.len()];
         side.apply();
     }
 

@@ -22,6 +22,7 @@ use std::time::Duration;
 
 /// Width and height of the window in pixels; beside the panel, 200 pixels of width are left for the picture.
 const EXTENT: [u32; 2] = [540, 200];
+/// The format of the image that the viewer draws, as a window's would be.
 const FORMAT: ash::vk::Format = ash::vk::Format::R8G8B8A8_SRGB;
 
 /// A viewer without a window, which a test drives round by round.
@@ -139,9 +140,9 @@ impl TestViewer {
 
     /// Runs rounds until nothing is left to do; returns their number.
     fn settle(&mut self) -> usize {
-        for n in 1..40 {
+        for rounds in 1..40 {
             if self.round(Vec::new()) != Some(Duration::ZERO) {
-                return n;
+                return rounds;
             }
         }
         panic!("the viewer does not come to rest");

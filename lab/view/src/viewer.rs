@@ -235,11 +235,11 @@ impl Viewer {
         present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> ssct::Result<()>) -> Result<R>,
     ) -> Result<Option<R>> {
         let Self { pictures, look, display, overlay, screen, triangles, textures, pixels_per_point, .. } = self;
-        let (Some(display), Some((stage, kept, _))) = (display, pictures.parts()) else { return Ok(None) };
+        let (Some(display), Some((stage, kept_images, _))) = (display, pictures.parts()) else { return Ok(None) };
         self.drawings += 1;
         overlay.update_textures(textures)?;
         let mut record = |frame: &mut Frame| {
-            look.record(frame, screen, display, kept)?;
+            look.record(frame, screen, display, kept_images)?;
             overlay.record(frame, screen.all(), *pixels_per_point, triangles)
         };
         present(&mut stage.context, screen, &mut record).map(Some)
@@ -309,8 +309,9 @@ impl Viewer {
         let Some(shaders) = &mut self.shaders else { return };
         for (shader, compiled) in shaders.changes.try_iter().flatten() {
             let replaced = &self.gpu.shared().replaced_shaders;
-            // If no pipelines can be made with the new code, the previous code is put back.
-            let status = compiled.and_then(|code| {
+            // The pass that draws the pictures is made at once; the methods' pipelines are only tried. If any of them
+            // cannot be made with the new code, the previous code is put back.
+            let new_look = compiled.and_then(|code| {
                 let previous = replaced.set(shader, Some(code));
                 let tried = self.pictures.try_pipelines();
                 tried.and_then(|()| Ok(LookPass::new(&self.gpu, self.screen.format())?)).map_err(|e| {
@@ -318,7 +319,7 @@ impl Viewer {
                     e.to_string()
                 })
             });
-            let status = status.map(|look| {
+            let status = new_look.map(|look| {
                 self.look = look;
                 self.pictures.discard_pipelines();
             });
@@ -371,11 +372,11 @@ impl Viewer {
     }
 }
 
-/// Returns the name of the scene that the options select.
+/// Returns the name of the scene that the options select; for several files, the first file and an ellipsis.
 pub fn scene_name(place: &SceneOptions) -> String {
     match &place.scene[..] {
         [] => "rooms".into(),
-        [one] => one.display().to_string(),
+        [file] => file.display().to_string(),
         [first, ..] => format!("{} …", first.display()),
     }
 }
@@ -395,7 +396,7 @@ pub(super) fn new_screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Res
 /// command names the view or, if the camera has left it, the camera's eye and the point that it looks at.
 fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
     let (eye, look_at) = state.camera.place();
-    let place = if state.moved || state.view.name == "custom" {
+    let camera_options = if state.moved || state.view.name == "custom" {
         let point = |p: glam::Vec3| format!("{},{},{}", p.x, p.y, p.z);
         format!("--eye {} --look-at {}", point(eye), point(look_at))
     } else {
@@ -415,5 +416,7 @@ fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
         options += &format!(" --bounces {bounces}");
     }
     let scene = &state.scene;
-    format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{options} -o truth.png")
+    format!(
+        "ssct render --method reference --scene {scene} {camera_options} --size {width}x{height}{options} -o truth.png"
+    )
 }

@@ -34,7 +34,7 @@ impl BeyondPass {
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
                 pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
             }
-            _ => Ok(()),
+            _ => Ok(()), // The effect gives each pass the input of its kind.
         }
     }
 
@@ -44,7 +44,7 @@ impl BeyondPass {
         match (self, input) {
             (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, images),
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_narrow(frame, *input, images),
-            _ => Ok(()),
+            _ => Ok(()), // The effect gives each pass the input of its kind.
         }
     }
 
@@ -54,7 +54,7 @@ impl BeyondPass {
         match (self, input) {
             (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_wide(frame, *input, images),
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_wide(frame, *input, images),
-            _ => Ok(()),
+            _ => Ok(()), // The effect gives each pass the input of its kind.
         }
     }
 }

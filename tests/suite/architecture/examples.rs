@@ -25,6 +25,7 @@ fn has_example(text: &str) -> bool {
         language.is_empty()
             || ["rust", "no_run", "compile_fail", "should_panic"].iter().any(|l| language.starts_with(l))
     };
+    // Every second fence ends a block.
     fences.step_by(2).any(is_run)
 }
 

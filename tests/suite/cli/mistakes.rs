@@ -5,6 +5,7 @@ use ssct::methods::METHODS;
 
 /// Returns the users' mistakes, each with the arguments, the exit status, and words of the sentence.
 fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
+    // `room` draws the small room, and `aimed` draws it from a place with a direction.
     let render = |args: &[&'static str]| [&["render", "-o", "x.png"], args].concat();
     let room =
         |args: &[&'static str]| [&["render", "-o", "x.png", "--size", "16x16", "--scene", "room.obj"], args].concat();

@@ -11,7 +11,7 @@ struct SmallMethod {
     shader: String,
     inputs: String,
     values: String,
-    rest: String,
+    sections: String,
     format: &'static str,
 }
 
@@ -23,7 +23,7 @@ impl SmallMethod {
             shader: shader.to_owned(),
             inputs: "picture = \"lit-colour\"\n".to_owned(),
             values: String::new(),
-            rest: String::new(),
+            sections: String::new(),
             format: "rgba16f",
         }
     }
@@ -55,7 +55,7 @@ impl SmallMethod {
 
     /// Makes a folder with the room, and with the method in `m`.
     fn folder(&self) -> Folder {
-        let Self { file, shader, inputs, values, rest, format } = self;
+        let Self { file, shader, inputs, values, sections, format } = self;
         let folder = Folder::new();
         folder.write("room.obj", ROOM);
         std::fs::create_dir(folder.path("m")).unwrap();
@@ -66,7 +66,7 @@ impl SmallMethod {
             format!(
                 "name = \"small\"\nsummary = \"small\"\n[image.result]\nformat = \"{format}\"\n[[pass]]\nname = \"p\"\n\
                  shader = \"{file}\"\n{reach}\n[inputs]\n{inputs}[values]\n{values}\
-                 [output]\nreflection = \"result\"\nalpha = \"none\"\n{rest}"
+                 [output]\nreflection = \"result\"\nalpha = \"none\"\n{sections}"
             ),
         );
         folder
@@ -87,8 +87,8 @@ impl SmallMethod {
 
 /// Checks that the reflection of a method is half of the lit colour.
 fn assert_halves_lit_colour(small: &SmallMethod) {
-    static WHOLE: OnceLock<Vec<f32>> = OnceLock::new();
-    let lit = WHOLE.get_or_init(|| SmallMethod::with("", "colour").pixels());
+    static LIT_COLOR: OnceLock<Vec<f32>> = OnceLock::new();
+    let lit = LIT_COLOR.get_or_init(|| SmallMethod::with("", "colour").pixels());
     let halved = small.pixels();
     assert!(lit.iter().any(|v| *v > 0.1));
     for (lit_value, found_value) in lit.iter().zip(&halved) {
@@ -284,26 +284,26 @@ fn images_for_storage_of_another_kind_are_refused() {
 /// nothing writes them; unread ones are allowed.
 #[test]
 fn inputs_of_other_names_and_kinds_are_refused() {
-    let with = |inputs: &str, shown: &str| {
+    let reading = |inputs: &str, shown: &str| {
         SmallMethod::fragment(&format!(
             "#version 330\n{inputs}\nout vec4 shown;\nuniform sampler2D picture;\nvoid main() {{ shown = {shown}; }}\n"
         ))
     };
-    let message = with("in vec3 ray;\nin vec2 at;", "texture(picture, at) * abs(ray.z)").refused();
+    let message = reading("in vec3 ray;\nin vec2 at;", "texture(picture, at) * abs(ray.z)").refused();
     assert!(message.contains("a.frag reads `ray`; only texture coordinates are given"), "{message}");
-    let message = with("in vec2 at;\nin vec2 more;", "texture(picture, at + more)").refused();
+    let message = reading("in vec2 at;\nin vec2 more;", "texture(picture, at + more)").refused();
     assert!(message.contains("a.frag reads `more`; only texture coordinates are given"), "{message}");
-    let message = with("in vec4 at;", "texture(picture, at.xy)").refused();
+    let message = reading("in vec4 at;", "texture(picture, at.xy)").refused();
     assert!(message.contains("a.frag reads `at`; only texture coordinates are given, as one `in vec2`"), "{message}");
-    let message = with("flat in int which;", "vec4(which) * texture(picture, vec2(0.5))").refused();
+    let message = reading("flat in int which;", "vec4(which) * texture(picture, vec2(0.5))").refused();
     assert!(message.contains("a.frag reads `which`"), "{message}");
     // Texture coordinates may have any location, and inputs that a shader declares and does not read are allowed.
-    assert_halves_lit_colour(&with(
+    assert_halves_lit_colour(&reading(
         "#extension GL_ARB_separate_shader_objects : enable\nlayout(location = 5) in vec2 at;",
         "0.5 * texture(picture, at)",
     ));
-    assert_halves_lit_colour(&with("in vec3 unread;\nin vec2 at;", "0.5 * texture(picture, at)"));
-    assert_halves_lit_colour(&with("", "0.5 * texelFetch(picture, ivec2(gl_FragCoord.xy), 0)"));
+    assert_halves_lit_colour(&reading("in vec3 unread;\nin vec2 at;", "0.5 * texture(picture, at)"));
+    assert_halves_lit_colour(&reading("", "0.5 * texelFetch(picture, ivec2(gl_FragCoord.xy), 0)"));
 }
 
 /// Outputs of a wrong type or location are refused, and so are shaders that exceed limits: threads, shared memory,
@@ -377,7 +377,8 @@ fn storage_blocks_must_fit_their_buffers() {
          void main() { kept.first[63] = vec4(1.0); imageStore(made, ivec2(gl_GlobalInvocationID.xy), kept.first[0]); }\n",
     );
     let small = small.inputs("kept = \"list\"\nmade = \"result\"\n");
-    let with_buffer = |bytes: u32| SmallMethod { rest: format!("[buffer.list]\nbytes = {bytes}\n"), ..copied(&small) };
+    let section = |bytes: u32| format!("[buffer.list]\nbytes = {bytes}\n");
+    let with_buffer = |bytes: u32| SmallMethod { sections: section(bytes), ..copied(&small) };
     let message = with_buffer(512).refused();
     assert!(message.contains("the shader's block has 1024 bytes, and the buffer list has 512"), "{message}");
     let folder = with_buffer(1024).folder();
@@ -386,13 +387,13 @@ fn storage_blocks_must_fit_their_buffers() {
 
 /// Returns a copy of a method.
 fn copied(small: &SmallMethod) -> SmallMethod {
-    let SmallMethod { file, shader, inputs, values, rest, format } = small;
+    let SmallMethod { file, shader, inputs, values, sections, format } = small;
     SmallMethod {
         file,
         shader: shader.clone(),
         inputs: inputs.clone(),
         values: values.clone(),
-        rest: rest.clone(),
+        sections: sections.clone(),
         format,
     }
 }

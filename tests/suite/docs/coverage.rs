@@ -65,6 +65,7 @@ fn row(line: &str) -> Row {
 /// Returns the kind and the number of everything that a place names, such as `§4.2.2, Eq. 6 to 14, listing 3`. A range
 /// names all numbers in it.
 fn named(place: &str) -> BTreeSet<(String, String)> {
+    // The kind and the number that the words before gave, and all names so far.
     let (mut kind, mut before, mut names) = ("", None, BTreeSet::new());
     for word in place.split_whitespace() {
         let word = word.trim_end_matches(',');
@@ -95,14 +96,14 @@ fn named(place: &str) -> BTreeSet<(String, String)> {
 /// the reading missed some, the tests below would find nothing left out.
 #[test]
 fn a_place_is_read_as_it_is_meant() {
-    let all = |place| {
+    let names = |place| {
         named(place).into_iter().map(|(kind, number)| format!("{kind} {number}")).collect::<Vec<_>>().join("; ")
     };
-    assert_eq!(all("§5.3.1, Eq. 6 to 8, listing 3"), "equation 6; equation 7; equation 8; listing 3; section 5.3.1");
-    assert_eq!(all("figures 4.1, 4.2"), "figure 4.1; figure 4.2");
-    assert_eq!(all("figures 5.1 to 5.3"), "figure 5.1; figure 5.2; figure 5.3");
-    assert_eq!(all("§2.4, Ineq. 2.5"), "equation 2.5; section 2.4");
-    assert_eq!(all("§4.2.4, Alg. 3, Eq. 4.1"), "algorithm 3; equation 4.1; section 4.2.4");
+    assert_eq!(names("§5.3.1, Eq. 6 to 8, listing 3"), "equation 6; equation 7; equation 8; listing 3; section 5.3.1");
+    assert_eq!(names("figures 4.1, 4.2"), "figure 4.1; figure 4.2");
+    assert_eq!(names("figures 5.1 to 5.3"), "figure 5.1; figure 5.2; figure 5.3");
+    assert_eq!(names("§2.4, Ineq. 2.5"), "equation 2.5; section 2.4");
+    assert_eq!(names("§4.2.4, Alg. 3, Eq. 4.1"), "algorithm 3; equation 4.1; section 4.2.4");
 }
 
 /// Each figure, algorithm, equation, listing, table and section that a document numbers has a row in its table.
@@ -148,8 +149,8 @@ fn every_row_says_where_it_is_and_its_erratum_exists() {
     assert!(errata > 40, "only {errata} errata");
 }
 
-/// Returns the links of the part of a state that begins with a word, each as its text and its target: of `erratum` in
-/// `erratum: [a](b); departure: [c](d)`, the link `a`, `b`.
+/// Returns the text and the target of each link in the part of a state that begins with a word. For the word `erratum`,
+/// `erratum: [a](b); departure: [c](d)` gives `a`, `b`.
 fn linked<'a>(state: &'a str, word: &str) -> Vec<(&'a str, &'a str)> {
     let parts = state.split("; ").filter_map(|part| part.strip_prefix(&format!("{word}: ")[..]));
     let links = parts.flat_map(|part| part.split('[').skip(1)).filter_map(|link| link.split_once("]("));
@@ -235,27 +236,27 @@ fn a_figure_in_a_generated_scene_is_a_stand_in_and_names_the_scene() {
             "{place}: its numbers are of another machine: {state}"
         );
     }
-    let all = scenes.keys().filter(|name| !name.contains('-') || name.starts_with("poster"));
+    let figures = scenes.keys().filter(|name| !name.contains('-') || name.starts_with("poster"));
     // The page names the poster's only figure by its document, "poster-2", and not "2".
-    let missing: Vec<_> = all.filter(|name| !drawn.contains(*name) && *name != "2").collect();
+    let missing: Vec<_> = figures.filter(|name| !drawn.contains(*name) && *name != "2").collect();
     assert!(missing.is_empty(), "drawn, and in no row: {missing:?}");
 }
 
 /// No row in the state "faithful" is about a figure, algorithm, equation or listing that a page of errata lists.
 #[test]
 fn what_an_erratum_is_about_is_not_called_faithful() {
-    let mut about = 0;
+    let mut errata_count = 0;
     for (rows, folder) in documents().into_iter().zip(["thesis", "poster", "schmidt"]) {
         let page = fs::read_to_string(root().join("shaders-glsl").join(folder).join("ERRATA.md")).unwrap();
         let places = page.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
         let errata: BTreeSet<_> = places.flat_map(named).filter(|(kind, _)| kind != "section").collect();
-        about += errata.len();
+        errata_count += errata.len();
         for Row { place, state, .. } in rows.iter().filter(|r| r.state == "faithful") {
             let wrong: Vec<_> = named(place).intersection(&errata).cloned().collect();
             assert!(wrong.is_empty(), "{place} is {state}, and errata are about {wrong:?}");
         }
     }
-    assert!(about > 15, "errata are about {about} algorithms, equations and listings");
+    assert!(errata_count > 15, "errata are about {errata_count} figures, algorithms, equations and listings");
 }
 
 /// Returns the pieces of text between backquotes on the page.
@@ -293,15 +294,15 @@ fn methods_options_and_figures_that_the_page_names_exist() {
             match (word.trim_start_matches("--"), value) {
                 ("method", Some(names)) => {
                     for name in names.split(',') {
-                        let is = name == "reference" || METHODS.iter().any(|m| m.name == name);
-                        assert!(is, "{code}: there is no method {name}");
+                        let exists = name == "reference" || METHODS.iter().any(|m| m.name == name);
+                        assert!(exists, "{code}: there is no method {name}");
                     }
                 }
                 ("only", Some(numbers)) => {
                     for number in numbers.split(',') {
                         drawn += 1;
-                        let is = |f: &&str| number == *f || number.ends_with(&format!("-{f}"));
-                        assert!(figures.iter().any(is), "{code}: there is no figure {number}");
+                        let is_meant = |f: &&str| number == *f || number.ends_with(&format!("-{f}"));
+                        assert!(figures.iter().any(is_meant), "{code}: there is no figure {number}");
                     }
                 }
                 (name, Some(value)) => {

@@ -34,7 +34,7 @@ fn parameter(method_name: &str, name: &str) -> Parameter {
 }
 
 /// Returns whether a number occurs in a text as a word of its own.
-fn holds(text: &str, number: &str) -> bool {
+fn has_number(text: &str, number: &str) -> bool {
     text.split(|c: char| !(c.is_ascii_digit() || c == '.')).any(|word| word.trim_end_matches('.') == number)
 }
 
@@ -47,7 +47,7 @@ fn published_values_are_those_of_print() {
         for method in row["methods"].split(' ') {
             assert_eq!(parameter(method, name).published.to_string(), *value, "{method} {name}: {place}: {words}");
         }
-        assert!(row["is_number"] == "no" || holds(words, value), "{name}: {place}: {words}");
+        assert!(row["is_number"] == "no" || has_number(words, value), "{name}: {place}: {words}");
     }
 }
 

@@ -21,22 +21,23 @@ fn without(text: &str, [open, close]: [&str; 2]) -> String {
 /// since they are no prose.
 fn paragraphs(page: &str) -> Vec<String> {
     let page = without(&outside_code(page).join("\n"), ["<!--", "-->"]);
-    let mut all: Vec<String> = Vec::new();
+    let mut paragraphs: Vec<String> = Vec::new();
+    // Whether the next line goes on with the last paragraph.
     let mut is_open = false;
     for line in page.lines().map(str::trim) {
         let is_number = line.split_once(". ").is_some_and(|(number, _)| number.parse::<u32>().is_ok());
         if line.is_empty() || line.starts_with(['|', '#']) || line.starts_with('[') && line.contains("]: ") {
             is_open = false;
         } else if is_open && !line.starts_with("- ") && !line.starts_with("* ") && !is_number {
-            let paragraph = all.last_mut().unwrap();
+            let paragraph = paragraphs.last_mut().unwrap();
             paragraph.push(' ');
             paragraph.push_str(line);
         } else {
-            all.push(line.to_owned());
+            paragraphs.push(line.to_owned());
             is_open = true;
         }
     }
-    all
+    paragraphs
 }
 
 /// Returns the sentences of a paragraph that have too many words. A colon ends a sentence if the next word begins as a
@@ -46,31 +47,31 @@ fn wordy(paragraph: &str) -> Vec<String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let begins = |word: &&str| word.starts_with(|c: char| c.is_uppercase() || "`*[(".contains(c));
     let is_end = |n: usize| words[n].ends_with(['.', '!', '?', ':']) && words.get(n + 1).is_none_or(begins);
-    let (mut all, mut start) = (Vec::new(), 0);
+    let (mut wordy, mut start) = (Vec::new(), 0);
     for n in 0..words.len() {
         if is_end(n) || n + 1 == words.len() {
             let sentence = &words[start..=n];
             let count = sentence.iter().filter(|word| word.contains(char::is_alphanumeric)).count();
-            all.extend((count > MOST_WORDS).then(|| sentence.join(" ")));
+            wordy.extend((count > MOST_WORDS).then(|| sentence.join(" ")));
             start = n + 1;
         }
     }
-    all
+    wordy
 }
 
 /// No sentence of a page has more than `MOST_WORDS` words. Sentences grow when facts are added to them.
 #[test]
 fn sentences_have_few_words() {
     let map = fs::read_to_string(root().join("src/ARCHITECTURE.md")).unwrap();
-    let (mut sentences, mut wrong) = (0, Vec::new());
+    let (mut paragraph_count, mut wrong) = (0, Vec::new());
     for (name, text) in pages().into_iter().chain([("src/ARCHITECTURE.md".to_owned(), map)]) {
         for paragraph in paragraphs(&text) {
-            sentences += 1;
+            paragraph_count += 1;
             wrong.extend(wordy(&paragraph).iter().map(|sentence| format!("{name}: {sentence}")));
         }
     }
     assert!(wrong.is_empty(), "sentences of more than {MOST_WORDS} words:\n{}", wrong.join("\n"));
-    assert!(sentences > 900, "only {sentences} paragraphs");
+    assert!(paragraph_count > 900, "only {paragraph_count} paragraphs");
 }
 
 /// The count finds a sentence of too many words over a line break, and leaves out headings, addresses of links, code,

@@ -35,15 +35,15 @@ struct Quoted {
 
 /// Gathers the records of some folders, by method.
 fn quoted(folders: &[PathBuf]) -> BTreeMap<String, Quoted> {
-    let mut all = BTreeMap::<String, Quoted>::new();
+    let mut by_method = BTreeMap::<String, Quoted>::new();
     for row in folders.iter().flat_map(|folder| files(folder)).flat_map(|file| rows(&file)) {
         let text = |field: &str| row.get(field).map(String::as_str);
         let Some(method) = text("method") else { continue };
-        let quoted = all.entry(method.to_owned()).or_default();
+        let quoted = by_method.entry(method.to_owned()).or_default();
         quoted.scenes.extend(scene_of_row(text("scene"), text("case")).map(str::to_owned));
         quoted.black.extend(text("black").and_then(|share| share.parse::<f64>().ok()));
     }
-    all
+    by_method
 }
 
 /// Returns why a method's records show nothing, or `None` if they show something or there are none.
@@ -72,6 +72,7 @@ fn methods_of(query: &str, answer: &str) -> Vec<&'static MethodInfo> {
 #[test]
 fn nothing_is_judged_that_is_black_everywhere() {
     let (mut black, mut judged) = (Vec::new(), 0);
+    // The records of folders that were read before.
     let mut known = BTreeMap::new();
     for (name, text) in pages() {
         for shown in quotations(&root(), &name, &text).unwrap().0 {

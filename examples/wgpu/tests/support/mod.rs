@@ -36,23 +36,24 @@ pub fn channels<const N: usize>(folder: &Path, name: &str, (width, height): (usi
 pub fn write_gbuffer(folder: &Path, size: (usize, usize), file: &Path) {
     let bytes = std::fs::read(folder.join("camera.f32")).unwrap();
     let numbers: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
-    let (mut clip, mut view) = ([0.0; 16], [0.0; 16]);
-    clip.copy_from_slice(&numbers[..16]);
-    view.copy_from_slice(&numbers[16..]);
+    let (mut view_to_clip, mut world_to_view) = ([0.0; 16], [0.0; 16]);
+    view_to_clip.copy_from_slice(&numbers[..16]);
+    world_to_view.copy_from_slice(&numbers[16..]);
     // The third column of view to clip, and the third row of world to view, belong to z in view space.
-    [8, 9, 10, 11].iter().for_each(|i| clip[*i] = -clip[*i]);
-    [2, 6, 10, 14].iter().for_each(|i| view[*i] = -view[*i]);
+    [8, 9, 10, 11].iter().for_each(|i| view_to_clip[*i] = -view_to_clip[*i]);
+    [2, 6, 10, 14].iter().for_each(|i| world_to_view[*i] = -world_to_view[*i]);
     let [red, green, blue] = channels(folder, "color", size);
     let [x, y, z] = channels(folder, "normal", size);
     let [depth] = channels(folder, "depth", size);
     let [reflectivity, roughness] = channels(folder, "material", size);
     let z = z.iter().map(|z| -z).collect();
-    let seven = [("R", red), ("G", green), ("B", blue), ("depth", depth), ("N.X", x), ("N.Y", y), ("N.Z", z)];
+    let surface = [("R", red), ("G", green), ("B", blue), ("depth", depth), ("N.X", x), ("N.Y", y), ("N.Z", z)];
     let factors = [("reflectivity", reflectivity), ("roughness", roughness)];
-    let list = seven.into_iter().chain(factors).map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
-    let mut attributes = LayerAttributes { world_to_camera: Some(view), ..LayerAttributes::default() };
-    attributes.other.insert("viewToClip".into(), AttributeValue::Matrix4x4(clip));
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(list.collect()));
+    let channel = |(name, values)| AnyChannel::new(name, FlatSamples::F32(values));
+    let channels = AnyChannels::sort(surface.into_iter().chain(factors).map(channel).collect());
+    let mut attributes = LayerAttributes { world_to_camera: Some(world_to_view), ..LayerAttributes::default() };
+    attributes.other.insert("viewToClip".into(), AttributeValue::Matrix4x4(view_to_clip));
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
     Image::from_layer(layer).write().to_file(file).unwrap();
 }
 

@@ -187,11 +187,11 @@ fn draw_errors(ui: &mut Ui, state: &State, data: &PanelData) {
             ui.label(format!("{samples} rays a pixel, own standard error {standard_error:.4}"));
             Grid::new("errors").num_columns(4).striped(true).show(ui, |ui| {
                 header_row(ui, &["", "RMSE", "relative MSE", "FLIP"]);
-                for (side, e) in state.rendered().iter().zip(methods) {
+                for (side, errors) in state.rendered().iter().zip(methods) {
                     ui.label(side.method.name);
-                    ui.label(format!("{:.4}", e.rmse));
-                    ui.label(e.relative_mse.map_or("–".into(), |v| format!("{v:.4}")));
-                    ui.label(format!("{:.4}", e.flip));
+                    ui.label(format!("{:.4}", errors.rmse));
+                    ui.label(errors.relative_mse.map_or("–".into(), |v| format!("{v:.4}")));
+                    ui.label(format!("{:.4}", errors.flip));
                     ui.end_row();
                 }
             });

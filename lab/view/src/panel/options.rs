@@ -105,8 +105,8 @@ fn draw_option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
 /// Draws a list from which one of a parameter's few values is chosen.
 fn draw_choices(ui: &mut Ui, row: &Parameter, chosen: &mut Value) {
     let help = |value: &Value| match &row.domain {
-        Domain::Choices(all) | Domain::ChoicesOrCount(all, ..) => {
-            all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help)
+        Domain::Choices(choices) | Domain::ChoicesOrCount(choices, ..) => {
+            choices.iter().find(|choice| Value::Choice(choice.name) == *value).map_or("", |choice| choice.help)
         }
         _ => "",
     };

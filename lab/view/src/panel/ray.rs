@@ -86,7 +86,7 @@ fn draw_explanation(ui: &mut Ui, report: &PixelReport) {
 /// Lists where the ray ends according to the method, its twin and the oracle.
 fn draw_ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     heading(ui, "Where it ends");
-    let place = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
+    let describe_place = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");
     let oracle = ray.oracle.position();
     // A text about the distance of a hit from the oracle's, if there is one.
     let distance_to_oracle =
@@ -96,7 +96,7 @@ fn draw_ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         match ray.method {
             Some((code, [x, y])) if code.is_hit() => {
                 let (x, y) = (f64::from(x), f64::from(y));
-                ui.label(format!("{code:?} {}{}", place(x, y), distance_to_oracle(x, y)))
+                ui.label(format!("{code:?} {}{}", describe_place(x, y), distance_to_oracle(x, y)))
             }
             Some((code, _)) => match &ray.in_world {
                 Some(lost_ray) => ui.label(describe_end_beyond_screen(lost_ray)),
@@ -108,7 +108,7 @@ fn draw_ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         ui.colored_label(ORACLE_COLOR, "oracle");
         match ray.oracle.outcome {
             Outcome::Hit { position, .. } => {
-                ui.label(format!("hit {}, after {} pixels", place(position.x, position.y), ray.oracle.steps))
+                ui.label(format!("hit {}, after {} pixels", describe_place(position.x, position.y), ray.oracle.steps))
             }
             Outcome::Miss { reason, behind } => {
                 let behind = if behind { ", behind a surface" } else { "" };
@@ -120,7 +120,7 @@ fn draw_ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
             ui.colored_label(WALK_COLOR, "Hi-Z");
             let (steps, end) = (walk.cells.len(), walk.last().as_dvec2());
             ui.label(match walk.end {
-                WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", place(end.x, end.y)),
+                WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", describe_place(end.x, end.y)),
                 WalkEnd::Left => format!("left the screen after {steps} steps"),
                 WalkEnd::Behind => format!("met a block from behind after {steps} steps"),
                 WalkEnd::Exhausted => format!("out of iterations after {steps} steps"),
@@ -175,8 +175,8 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
     let screen_point = |x: f32, y: f32| area.min + egui::vec2(x, y) * scale;
     let start = screen_point(ray.pixel[0] as f32 + 0.5, ray.pixel[1] as f32 + 0.5);
-    if let Some(s) = &ray.segment {
-        let end = s.point_at(1.0);
+    if let Some(segment) = &ray.segment {
+        let end = segment.point_at(1.0);
         painter.line_segment(
             [start, screen_point(end.x as f32, end.y as f32)],
             Stroke::new(1.0, Color32::from_white_alpha(120)),
@@ -188,8 +188,8 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
             let stroke = Stroke::new(1.0, level_color(cell.level));
             painter.rect_stroke(Rect::from_min_max(low, high), 0.0, stroke, StrokeKind::Inside);
         }
-        for pair in walk.positions.windows(2) {
-            let [from, to] = [pair[0], pair[1]].map(|p| screen_point(p.x, p.y));
+        for step in walk.positions.windows(2) {
+            let [from, to] = [step[0], step[1]].map(|p| screen_point(p.x, p.y));
             painter.line_segment([from, to], Stroke::new(2.0, WALK_COLOR));
             painter.circle_filled(to, 2.0, WALK_COLOR);
         }
@@ -201,9 +201,9 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     if let Some((_, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
         draw_mark(painter, screen_point(x, y), METHOD_COLOR);
     }
-    if let Some(o) = ray.oracle.position() {
-        let o = screen_point(o.x as f32, o.y as f32);
-        painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE_COLOR));
+    if let Some(hit) = ray.oracle.position() {
+        let centre = screen_point(hit.x as f32, hit.y as f32);
+        painter.circle_stroke(centre, 7.0, Stroke::new(2.0, ORACLE_COLOR));
     }
 }
 

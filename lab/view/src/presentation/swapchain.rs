@@ -215,13 +215,16 @@ impl Swapchain {
         let (shared, name) = (self.gpu.shared(), &self.gpu.info().name);
         // SAFETY: the physical device and the surface belong to one instance.
         let (presents, formats, modes) = unsafe {
-            let (s, physical) = (&self.surfaces, shared.physical);
+            let (surfaces, physical) = (&self.surfaces, shared.physical);
             (
-                s.get_physical_device_surface_support(physical, shared.queue_family, self.surface)
+                surfaces
+                    .get_physical_device_surface_support(physical, shared.queue_family, self.surface)
                     .map_err(vulkan("vkGetPhysicalDeviceSurfaceSupportKHR"))?,
-                s.get_physical_device_surface_formats(physical, self.surface)
+                surfaces
+                    .get_physical_device_surface_formats(physical, self.surface)
                     .map_err(vulkan("vkGetPhysicalDeviceSurfaceFormatsKHR"))?,
-                s.get_physical_device_surface_present_modes(physical, self.surface)
+                surfaces
+                    .get_physical_device_surface_present_modes(physical, self.surface)
                     .map_err(vulkan("vkGetPhysicalDeviceSurfacePresentModesKHR"))?,
             )
         };
@@ -231,8 +234,8 @@ impl Swapchain {
         // Whether the device can draw to a format, and blend in it.
         let encodes = |format| {
             // SAFETY: the physical device belongs to the instance.
-            let p = unsafe { shared.instance.get_physical_device_format_properties(shared.physical, format) };
-            p.optimal_tiling_features.contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND)
+            let properties = unsafe { shared.instance.get_physical_device_format_properties(shared.physical, format) };
+            properties.optimal_tiling_features.contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND)
         };
         self.format = surface_format(&formats, encodes)
             .ok_or_else(|| Error::NoWindow(format!("{name} has no 8-bit sRGB format for it")))?;
@@ -276,14 +279,14 @@ impl Swapchain {
     ) -> Result<vk::SwapchainKHR> {
         // One image more than the presentation engine may hold back, so that one can be written. A maximum of 0 means
         // no limit.
-        let most = if capabilities.max_image_count == 0 { u32::MAX } else { capabilities.max_image_count };
+        let max_images = if capabilities.max_image_count == 0 { u32::MAX } else { capabilities.max_image_count };
         // The lowest supported bit is chosen, which is "opaque" if the surface supports this. At least one bit is
         // supported.
         let alphas = capabilities.supported_composite_alpha.as_raw();
         let alpha = vk::CompositeAlphaFlagsKHR::from_raw(alphas & alphas.wrapping_neg());
         let info = vk::SwapchainCreateInfoKHR::default()
             .surface(self.surface)
-            .min_image_count((capabilities.min_image_count + 1).min(most))
+            .min_image_count((capabilities.min_image_count + 1).min(max_images))
             .image_format(self.format.shown.format)
             .image_color_space(self.format.shown.color_space)
             .image_extent(vk::Extent2D { width, height })
@@ -333,10 +336,10 @@ impl Drop for Swapchain {
 /// Makes a semaphore with a debug name, which the caller must destroy.
 fn make_semaphore(gpu: &Gpu, name: &str) -> Result<vk::Semaphore> {
     // SAFETY: the create info is complete; the caller destroys the semaphore.
-    let made = unsafe { gpu.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
+    let semaphore = unsafe { gpu.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
         .map_err(vulkan("vkCreateSemaphore"))?;
-    gpu.name(made, name);
-    Ok(made)
+    gpu.name(semaphore, name);
+    Ok(semaphore)
 }
 
 /// Returns the size of a surface's images in pixels: the size that the surface states, or else the window's size within
@@ -358,13 +361,14 @@ fn surface_extent(capabilities: &vk::SurfaceCapabilitiesKHR, window: [u32; 2]) -
 /// whether the device can draw to an sRGB format, which is a condition in both cases.
 fn surface_format(offered: &[vk::SurfaceFormatKHR], encodes: impl Fn(vk::Format) -> bool) -> Option<SurfaceFormat> {
     use vk::Format as F;
-    const PAIRS: [(F, F); 2] = [(F::B8G8R8A8_SRGB, F::B8G8R8A8_UNORM), (F::R8G8B8A8_SRGB, F::R8G8B8A8_UNORM)];
-    let offered = |format| {
+    /// Each sRGB format with the format of the same bits.
+    const FORMATS: [(F, F); 2] = [(F::B8G8R8A8_SRGB, F::B8G8R8A8_UNORM), (F::R8G8B8A8_SRGB, F::R8G8B8A8_UNORM)];
+    let find = |format| {
         offered.iter().copied().find(|o| o.format == format && o.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR)
     };
-    let pairs = || PAIRS.into_iter().filter(|(srgb, _)| encodes(*srgb));
-    let direct = pairs().find_map(|(srgb, _)| Some(SurfaceFormat { shown: offered(srgb)?, encoded: srgb }));
-    direct.or_else(|| pairs().find_map(|(srgb, unorm)| Some(SurfaceFormat { shown: offered(unorm)?, encoded: srgb })))
+    let drawable = || FORMATS.into_iter().filter(|(srgb, _)| encodes(*srgb));
+    let direct = drawable().find_map(|(srgb, _)| Some(SurfaceFormat { shown: find(srgb)?, encoded: srgb }));
+    direct.or_else(|| drawable().find_map(|(srgb, unorm)| Some(SurfaceFormat { shown: find(unorm)?, encoded: srgb })))
 }
 
 #[cfg(test)]
@@ -378,23 +382,24 @@ mod tests {
     }
 
     #[test]
-    fn an_srgb_format_is_taken_wherever_it_stands() {
+    fn an_srgb_format_is_taken_wherever_it_stands_among_the_offers() {
         let offers = [offer(F::B8G8R8A8_UNORM), offer(F::A2B10G10R10_UNORM_PACK32), offer(F::R8G8B8A8_SRGB)];
         let taken = surface_format(&offers, |_| true).unwrap();
         assert_eq!((taken.shown.format, taken.encoded), (F::R8G8B8A8_SRGB, F::R8G8B8A8_SRGB));
     }
 
     #[test]
-    fn without_one_its_bits_are_copied_in_the_same_order_of_channels() {
+    fn without_an_srgb_format_one_with_the_same_bits_is_taken() {
         let taken = surface_format(&[offer(F::B8G8R8A8_UNORM)], |_| true).unwrap();
         assert_eq!((taken.shown.format, taken.encoded), (F::B8G8R8A8_UNORM, F::B8G8R8A8_SRGB));
-        let both = [offer(F::B8G8R8A8_UNORM), offer(F::R8G8B8A8_UNORM)];
-        let taken = surface_format(&both, |f| f == F::R8G8B8A8_SRGB).unwrap();
+        // The device can draw to one of the two sRGB formats alone, which decides.
+        let two_orders = [offer(F::B8G8R8A8_UNORM), offer(F::R8G8B8A8_UNORM)];
+        let taken = surface_format(&two_orders, |f| f == F::R8G8B8A8_SRGB).unwrap();
         assert_eq!((taken.shown.format, taken.encoded), (F::R8G8B8A8_UNORM, F::R8G8B8A8_SRGB));
     }
 
     #[test]
-    fn another_colour_space_or_depth_is_not_taken() {
+    fn a_format_of_another_colour_space_or_depth_or_that_cannot_be_drawn_to_is_not_taken() {
         let wide =
             vk::SurfaceFormatKHR { format: F::B8G8R8A8_SRGB, color_space: vk::ColorSpaceKHR::EXTENDED_SRGB_LINEAR_EXT };
         assert_eq!(surface_format(&[wide, offer(F::R16G16B16A16_SFLOAT)], |_| true), None);
@@ -402,24 +407,24 @@ mod tests {
     }
 
     #[test]
-    fn the_surface_says_the_size_or_the_window_does() {
+    fn the_size_is_that_of_the_surface_or_else_that_of_the_window_within_its_limits() {
         let size = |width, height| vk::Extent2D { width, height };
-        let mut c = vk::SurfaceCapabilitiesKHR {
+        let mut capabilities = vk::SurfaceCapabilitiesKHR {
             current_extent: size(640, 480),
             min_image_extent: size(1, 1),
             max_image_extent: size(4096, 4096),
             ..Default::default()
         };
-        assert_eq!(surface_extent(&c, [10, 10]), [640, 480]);
-        c.current_extent = size(u32::MAX, u32::MAX);
-        assert_eq!(surface_extent(&c, [10_000, 10]), [4096, 10]);
-        assert_eq!(surface_extent(&c, [0, 10]), [0, 0], "minimised");
-        c.current_extent = size(0, 0);
-        assert_eq!(surface_extent(&c, [640, 480]), [0, 0], "minimised, as Windows says it");
+        assert_eq!(surface_extent(&capabilities, [10, 10]), [640, 480]);
+        capabilities.current_extent = size(u32::MAX, u32::MAX);
+        assert_eq!(surface_extent(&capabilities, [10_000, 10]), [4096, 10]);
+        assert_eq!(surface_extent(&capabilities, [0, 10]), [0, 0], "minimised");
+        capabilities.current_extent = size(0, 0);
+        assert_eq!(surface_extent(&capabilities, [640, 480]), [0, 0], "minimised, as Windows says it");
     }
 
     #[test]
-    fn a_mode_that_is_not_there_is_a_sentence() {
+    fn a_mode_that_the_surface_lacks_is_refused_with_those_that_it_has() {
         let offered = [vk::PresentModeKHR::IMMEDIATE, vk::PresentModeKHR::FIFO];
         assert_eq!(PresentMode::Immediate.choose_offered(&offered).unwrap(), vk::PresentModeKHR::IMMEDIATE);
         let error = PresentMode::Mailbox.choose_offered(&offered).unwrap_err().to_string();

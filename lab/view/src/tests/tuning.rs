@@ -15,8 +15,10 @@ use ssct_lab::study::inspect::WalkEnd;
 use ssct_scenes::path;
 use std::path::Path;
 
+/// Each option that a method reads changes its frame: its picture, its passes or its images. All others together change
+/// nothing. The window shows a row for each option that a method reads, so that a row without effect would be found.
 #[test]
-fn rows_are_shown_of_the_options_that_a_method_reads() {
+fn an_option_changes_a_frame_exactly_if_the_method_reads_it() {
     let mut bench = TestViewer::new();
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
     bench.viewer.state.globals.roughness = Some(0.6);
@@ -107,8 +109,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("trace-stage", "compute"),
         ("resolve-stage", "compute"),
     ];
-    let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
-    assert!(parameters.iter().all(|p| values.iter().any(|(name, _)| name == p)), "{parameters:?}");
+    let flags: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
+    assert!(flags.iter().all(|flag| values.iter().any(|(name, _)| name == flag)), "{flags:?}");
     // Renders a method with options. Returns the bits of its picture, its passes and the names of its images.
     let frame = |bench: &mut TestViewer, info, options: &[(&str, &str)]| {
         let options = options.iter().map(|(flag, value)| ((*flag).to_owned(), (*value).to_owned()));
@@ -146,17 +148,18 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                 "resolve-stage",
                 "history-stage",
             ];
-            if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
+            let (flag, _) = option;
+            if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&flag) {
                 continue;
             }
             // While nothing moves, the frames of a history differ only for `stochastic`, whose rays are random.
-            if ["history-frames", "history-deviations"].contains(&option.0) && info.name != "stochastic" {
+            if ["history-frames", "history-deviations"].contains(&flag) && info.name != "stochastic" {
                 continue;
             }
             // Some options show only together with another one, which both frames then have. `ssr-fast` makes the
             // colour chain only if distances are blurred.
             let (blurred, captured, history) = (("distance-blur", "on"), ("captures", "1"), ("history", "on"));
-            let (with, without) = match (info.name, option.0) {
+            let (changed_options, unchanged_frame) = match (info.name, flag) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
                 (_, "cone-alpha-min" | "cone-alpha-max" | "cone-mirror-alpha") => {
                     let interpolated = ("cone-angle", "interpolated");
@@ -192,7 +195,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                 }
                 _ => (vec![option], default.clone()),
             };
-            assert!(frame(&mut bench, info, &with) != without, "{}: {option:?} changes nothing", info.name);
+            let changed_frame = frame(&mut bench, info, &changed_options);
+            assert!(changed_frame != unchanged_frame, "{}: {option:?} changes nothing", info.name);
         }
     }
     bench.assert_valid("options");
@@ -259,12 +263,12 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
 }
 
 #[test]
-fn the_drawn_walk_is_the_shaders() {
+fn rays_of_the_drawn_walk_end_where_those_of_the_shader_end() {
     let mut bench = TestViewer::new();
     bench.viewer.state.tab = Tab::Ray;
     // If a ray of the thesis's method passes a cell's corner within rounding, the device may enter another cell than
-    // the twin. The twin of `unified` agrees to the bit. `least` is the share of rays that must end alike.
-    for (method, least) in [("ssct", 0.99), ("unified", 1.0)] {
+    // the twin. The twin of `unified` agrees to the bit.
+    for (method, least_share) in [("ssct", 0.99), ("unified", 1.0)] {
         let options = [("beyond".to_owned(), "none".to_owned())];
         let options = if method == "unified" { options.to_vec() } else { Vec::new() };
         bench.viewer.state.sides[0] = Side::new(ssct::methods::find(method).unwrap(), options.into_iter().collect());
@@ -293,7 +297,10 @@ fn the_drawn_walk_is_the_shaders() {
             }
         }
         println!("{method}: {alike} of {rays} rays end alike, {steps} steps");
-        assert!(alike as f64 >= least * f64::from(rays) && steps > 2000, "{method}: {alike} of {rays}, {steps} steps");
+        assert!(
+            alike as f64 >= least_share * f64::from(rays) && steps > 2000,
+            "{method}: {alike} of {rays}, {steps} steps"
+        );
     }
 }
 
@@ -324,11 +331,11 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
     let (status, red) = edit(&mut bench, "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
     assert_eq!(status, Ok(()));
     assert!(red != before && red.texels().all(|t| t == [1.0, 0.0, 0.0, 1.0]));
-    let (status, still) = edit(&mut bench, "vec4(1.0, 0.0, 0.0, 1.0)", "vec4(1.0, nonsense)");
+    let (status, broken) = edit(&mut bench, "vec4(1.0, 0.0, 0.0, 1.0)", "vec4(1.0, nonsense)");
     assert!(status.is_err_and(|m| m.contains("composite.frag") && m.contains("nonsense")));
-    assert!(still == red, "the last good one stays in use");
-    let (status, again) = edit(&mut bench, "vec4(1.0, nonsense)", "vec4(color, 1.0)");
-    assert!(status == Ok(()) && again == before);
+    assert!(broken == red, "the last good one stays in use");
+    let (status, repaired) = edit(&mut bench, "vec4(1.0, nonsense)", "vec4(color, 1.0)");
+    assert!(status == Ok(()) && repaired == before);
 }
 
 #[test]
