@@ -28,10 +28,9 @@ pub struct ReflectionsInfo<'a> {
     pub method: &'a str,
     /// Names and values of parameters, such as `("fade", "off")`; docs/options.md lists them. `preset` is one, too.
     pub parameters: &'a [(&'a str, &'a str)],
-    /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without captures.
+    /// Width and height of the faces of the [`CaptureCubes`] of every frame, in texels; `None` without captures.
     pub captures: Option<u32>,
-    /// Triangles that are made like those of every later frame; `None` for frames without triangles. Reflections have
-    /// captures or triangles, and not both.
+    /// Triangles that are made like those of every frame; `None` without triangles, and for frames with captures.
     pub triangles: Option<&'a Triangles>,
     /// Produces the composite: lit colour plus reflections.
     pub composite: bool,
@@ -44,7 +43,7 @@ pub struct ReflectionsInfo<'a> {
 }
 
 impl Default for ReflectionsInfo<'_> {
-    /// Describes `unified` with its published values, for 1 × 1 pixel in perspective, with composite and reflection as outputs.
+    /// Describes `unified` with its published values, for 1 × 1 pixel in perspective, with composite and reflection.
     fn default() -> Self {
         Self {
             extent: [1, 1],
@@ -64,8 +63,8 @@ impl Default for ReflectionsInfo<'_> {
 /// The inputs of a frame.
 #[derive(Clone, Copy)]
 pub struct FrameInput<'a> {
-    /// The number of this frame among the frames under way, below [`ReflectionsInfo::frames_in_flight`]. The device must be done
-    /// with the frame that was recorded with the same number before.
+    /// The number of this frame among the frames under way, below [`ReflectionsInfo::frames_in_flight`]. The device
+    /// must be done with the frame that was recorded with the same number before.
     pub slot: usize,
     /// The camera that the images were drawn with.
     pub camera: CameraInput,
@@ -89,8 +88,8 @@ pub struct FrameInput<'a> {
     pub captures: Option<&'a CaptureCubes>,
     /// Triangles of the scene, for rays that the screen loses.
     pub triangles: Option<&'a Triangles>,
-    /// The number of the triangle that each pixel shows, counted over all meshes in their order, or `u32::MAX` for none; R32_UINT.
-    /// With `None`, some rays hit the very surface that they start from.
+    /// The number of the triangle that each pixel shows, counted over all meshes in their order, or `u32::MAX` for
+    /// none; R32_UINT. With `None`, some rays hit the very surface that they start from.
     pub triangle_numbers: Option<ImageInput>,
     /// The motion of surfaces since the frame that was recorded before, for the parameter `history`; `None` if the
     /// motion is not known, or if nothing but the camera moved.
@@ -123,8 +122,8 @@ pub struct Recorded {
     /// than 1 where the reflection fades out. RGBA16F. `None` if the caller wants none, or if nothing reflects.
     pub reflection: Option<OutputImage>,
     /// The place where each ray ended: texture coordinates, standard depth, and a code that says how the ray ended
-    /// (`PATH_*` of `shaders-glsl/common/constants.glsl`). RGBA32F. `None` if [`ReflectionsInfo::hits`] is false, or if
-    /// the method does not tell where rays end.
+    /// (`PATH_*` of `shaders-glsl/common/constants.glsl`). RGBA32F. `None` without [`ReflectionsInfo::hits`], or if the
+    /// method does not tell where rays end.
     pub hits: Option<OutputImage>,
     /// The passes that were recorded, in order.
     pub passes: Vec<String>,
@@ -166,11 +165,11 @@ impl WorldInput {
         }
     }
 
-    /// Returns whether passes made for `self` can read `given`. The number of triangles may differ.
-    fn takes(self, given: Self) -> bool {
-        match (self, given) {
-            (Self::Triangles(made), Self::Triangles(given)) => made == TriangleReading { count: made.count, ..given },
-            (made, given) => made == given,
+    /// Returns whether passes made for `self` can read the input of a frame. The number of triangles may differ.
+    fn takes(self, frame_input: Self) -> bool {
+        match (self, frame_input) {
+            (Self::Triangles(own), Self::Triangles(other)) => own == TriangleReading { count: own.count, ..other },
+            (own, other) => own == other,
         }
     }
 
@@ -228,14 +227,14 @@ impl Reflections {
         self.setup.extent
     }
 
-    /// Forgets the frames that the parameter `history` averages, so that the next frame stands alone. Call it after a cut, and
-    /// after a command buffer was thrown away.
+    /// Forgets the frames that the parameter `history` averages, so that the next frame stands alone. Call it after a
+    /// cut, and after a command buffer was thrown away.
     pub fn restart_history(&self) {
         self.effect.restart_history();
     }
 
-    /// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot was recorded
-    /// once, nothing is allocated on the device.
+    /// Records a frame's reflections into a command buffer. Nothing is submitted, and nothing waits. Once every slot
+    /// was recorded once, nothing is allocated on the device.
     ///
     /// # Errors
     /// [`Error::Usage`] with the input that is wrong, and why; nothing is recorded then. [`Error::Memory`] or
@@ -302,13 +301,13 @@ impl Reflections {
         };
         let composite = self.wants.composite.then(|| hand_over(&mut frame, output.composite));
         let reflection = output.traced.reflection.filter(|_| self.wants.reflection).map(|r| hand_over(&mut frame, r.0));
-        let hits = output.traced.hits.map(|h| hand_over(&mut frame, h.0));
+        let hits = output.traced.hits.filter(|_| self.wants.hits).map(|h| hand_over(&mut frame, h.0));
         borrowed.end(&mut frame);
         let report = frame.end()?;
         Ok(Recorded { composite, reflection, hits, passes: report.recorded, skipped: report.skipped })
     }
 
-    /// How long each pass of the last frame of a slot took; empty if the frame was not timed.
+    /// How long each pass of the last frame of a slot took, in their order; empty if the frame was not timed.
     ///
     /// # Errors
     /// [`Error::Usage`] for a slot that does not exist; [`Error::Vulkan`] with `NOT_READY` before the frame is done.
@@ -339,11 +338,11 @@ impl Reflections {
         if let Some(motion) = &input.motion {
             motion.check(extent)?;
         }
-        let given = WorldInput::from_inputs(input.captures.map(|cubes| cubes.extent()[0]), input.triangles)?;
-        if !self.world_input.takes(given) {
+        let frame_input = WorldInput::from_inputs(input.captures.map(|cubes| cubes.extent()[0]), input.triangles)?;
+        if !self.world_input.takes(frame_input) {
             return Err(Error::Usage(format!(
                 "the frame is given {}, and the reflections were made for {}: ReflectionsInfo says what frames have",
-                given.describe(),
+                frame_input.describe(),
                 self.world_input.describe()
             )));
         }
@@ -388,6 +387,7 @@ fn set_parameter(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str
     Ok(())
 }
 
+// These types must stay `Send`, since callers may record in any thread.
 const _: () = {
     const fn is_send<T: Send>() {}
     is_send::<Reflections>();

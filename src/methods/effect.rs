@@ -434,7 +434,7 @@ impl Effect {
                 let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
                 let reflection =
                     small.reflection.map(|r| upsample.record(frame, &input.gbuffer, input.camera, r)).transpose()?;
-                MethodOutput { reflection, composite: None, ..small }
+                MethodOutput { reflection, composite: None, hits: None, ..small }
             }
         };
         if let (Some((_, Some(bump))), Some(reflection)) = (&self.trace_normals, traced.reflection) {

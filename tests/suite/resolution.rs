@@ -5,6 +5,7 @@ use crate::common::{check_validation, clutter, clutter_camera, gpu, show};
 use crate::unified::random_gbuffer;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Pixels, ShaderStage};
+use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{EffectParams, Setup, Wants, find};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::resolution::DownsamplePass;
@@ -125,6 +126,18 @@ fn half_resolution_traces_a_quarter_of_the_pixels() {
         return;
     };
     assert!(full >= 640 * 480 && half.abs_diff(full / 4) <= full / 64, "{half} of {full}");
+}
+
+/// At half resolution, no hits are handed on, not even by a trace in a pass of its own, which always has an image of them:
+/// its pixels are not those of the full image.
+#[test]
+fn half_resolution_has_no_hits() {
+    let (gpu, extent) = (gpu(), [67, 38]);
+    for (divisor, has_hits) in [(1, true), (2, false)] {
+        let setup = divided(extent, divisor).with(|p: &mut ThesisDrawing| p.split = true);
+        let shown = show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &GLOSSY);
+        assert_eq!(shown.image.hits.is_some(), has_hits, "one pixel of {divisor} × {divisor}");
+    }
 }
 
 /// Downsampling by 2 and by 4 keeps depth, normal and material of the block's first pixel and the mean of its colours,

@@ -84,8 +84,6 @@ impl Run {
 const RUN_FLAGS: [&str; 2] = ["--resume", "--json"];
 /// Flags with one value that change this run and not the whole study.
 const RUN_FLAGS_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
-/// Flags with several values that change this run and not the whole study.
-const RUN_FLAGS_WITH_VALUES: [&str; 1] = ["--references"];
 
 /// Returns the command of this process as a page shows it, without the flags that differ from machine to machine and
 /// from shard to shard.
@@ -97,13 +95,11 @@ pub fn command_line() -> String {
 /// are put in quotes.
 fn study_command(arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["ssct".to_owned()];
-    // `skips_value`: the next argument is the value of a flag that is left out. `skips_values`: all arguments up to the
-    // next flag are such values.
-    let (mut skips_value, mut skips_values) = (false, false);
+    // Whether the next argument is the value of a flag that is left out.
+    let mut skips_value = false;
     for argument in arguments {
         let flag = argument.split('=').next().unwrap_or_default();
-        skips_values = RUN_FLAGS_WITH_VALUES.contains(&flag) || (skips_values && !argument.starts_with('-'));
-        if skips_values || std::mem::take(&mut skips_value) || RUN_FLAGS.contains(&flag) {
+        if std::mem::take(&mut skips_value) || RUN_FLAGS.contains(&flag) {
             continue;
         }
         if RUN_FLAGS_WITH_VALUE.contains(&flag) {
@@ -136,9 +132,7 @@ mod tests {
     fn shards_of_a_study_have_one_command() {
         let command = |text: &str| study_command(text.split_whitespace().map(str::to_owned));
         let study = "ssct error --quick --rays 4";
-        for run_flags in
-            ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", "--references a b c", ""]
-        {
+        for run_flags in ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", ""] {
             assert_eq!(command(&format!("error --quick {run_flags} --rays 4")), study);
         }
         let quoted = study_command(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());

@@ -30,7 +30,6 @@ use ssct_ground::math::random::Stream;
 use ssct_scenes::{GBufferData, Lens, Scene, View};
 use ssct_truth::metrics::hits::HitVerdict;
 use ssct_truth::reference::hierarchy::Hierarchy;
-use std::cell::LazyCell;
 
 /// The method that must pass every case. Published methods must only finish.
 pub const JUDGED: &str = "unified";
@@ -166,15 +165,13 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenMethods) -> Result<Vec<Str
     }
     let data = case.gbuffer();
     let images = GBufferImages::upload_unsound(&mut lineup.context, &data)?;
-    // The oracle's rays are traced once a method has hits.
-    let truth = case.comparable.then(|| LazyCell::new(|| Truth::new(&data)));
+    let truth = case.comparable.then(|| Truth::new(&data));
     let mut records = Vec::new();
     for n in 0..lineup.len() {
         let (method, frame) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
         let setup = Setup::on_screen(case.extent());
         let judged = JudgedFrame { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
-        let with_hits = truth.as_ref().filter(|_| frame.hits.is_some());
-        let compared = with_hits.and_then(|truth| truth.compare(&frame, method));
+        let compared = truth.as_ref().and_then(|truth| truth.compare(&frame, method));
         records.push(frame.judge(gpu, &judged, method, &data, compared));
     }
     Ok(records)
@@ -367,11 +364,12 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneMethods) -> Result<
         let name = format!("{}, roughness {roughness}", place.name);
         let Some(data) = lineup.draw(camera)? else { continue };
         let frames = lineup.read_images()?;
-        let truth = (roughness == 0.0).then(|| LazyCell::new(|| Truth::new(&data)));
+        let is_compared = roughness == 0.0 && lineup.methods().any(MethodInfo::is_screen_space);
+        let truth = is_compared.then(|| Truth::new(&data));
         let judged = JudgedFrame { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
         records.extend(lineup.methods().zip(&frames).map(|(m, frame)| {
             // The screen's oracle does not know hits in captures.
-            let truth = truth.as_ref().filter(|_| m.is_screen_space() && frame.hits.is_some());
+            let truth = truth.as_ref().filter(|_| m.is_screen_space());
             frame.judge(gpu, &judged, m, &data, truth.and_then(|truth| truth.compare(frame, m)))
         }));
     }
