@@ -1,7 +1,7 @@
 //! `ssct merge`: makes the run of the whole study from its shards.
 
 use super::cli::MergeOptions;
-use super::merger::{Merger, Merging, wrong_journal};
+use super::merger::{Merger, Merging, folders_with_files, wrong_journal};
 use super::printed;
 use super::run::Run;
 use super::{figures, reference_part, resolve, studies};
@@ -124,8 +124,8 @@ fn check_figures(input: &MergeInput) -> Result<()> {
         let entry = Entry::deserialize(&value).map_err(|e| wrong(format!("is no figure: {e}")))?;
         if let Ok(file) = &entry.file {
             copies::check_name(file).map_err(|why| wrong(format!("has the file {file:?}, which {why}")))?;
-            let places = picture_candidates(std::slice::from_ref(input), None, file);
-            places.iter().try_for_each(copies::check_file)?;
+            let folders = folders_with_files(std::slice::from_ref(input), None);
+            folders.iter().try_for_each(|folder| copies::check_file(&folder.join(file)))?;
         }
     }
     Ok(())
@@ -159,8 +159,10 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
     let mut device_texts = Vec::new();
     for (n, (device, drawn)) in device_figures.iter().enumerate() {
         let target = if device_figures.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
+        let device_folders = folders_with_files(inputs, Some(device));
         for file in drawn.iter().filter_map(|figure| figure.entry.file.as_ref().ok()) {
-            copies::copy_file(&picture_candidates(inputs, Some(device), file), &target.join(file), must_be_equal)?;
+            let candidates: Vec<_> = device_folders.iter().map(|folder| folder.join(file)).collect();
+            copies::copy_file(&candidates, &target.join(file), must_be_equal)?;
         }
         let entries: Vec<Entry> = drawn.iter().map(|figure| figure.entry.clone()).collect();
         figures::write_page(&target, &entries, device, command)?;
@@ -168,7 +170,7 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
         device_texts.push(DeviceText { title: device_name(device), text, folder: device_folder(n) });
     }
     let page = folder.join(PAGE);
-    if device_figures.len() > 1 {
+    if device_figures.len() != 1 {
         folder.join("figures.json").write(files::json(&drawn_figures).as_bytes())?;
         let text = html::devices_page("Merged: figures", *definitions, command, &device_texts, &merged.missing);
         page.write(text.as_bytes())?;
@@ -177,20 +179,6 @@ fn write_figures(Merging { inputs, merged, folder }: &Merging) -> anyhow::Result
         page.write(html::with_missing_cells(&text, &merged.missing).as_bytes())?;
     }
     Ok(())
-}
-
-/// Returns the paths where runs may have the picture `file` that `device` drew, or that any device drew if it is
-/// `None`.
-fn picture_candidates(inputs: &[MergeInput], device: Option<&DeviceInfo>, file: &str) -> Vec<PathInFolder> {
-    let candidates_of_run = |input: &MergeInput| {
-        let run = PathInFolder::folder(&input.folder);
-        // A run of several devices has a folder for each of them.
-        let has_device_folders = input.cells.devices.len() > 1;
-        let devices = input.cells.devices.iter().enumerate().filter(|(_, d)| device.is_none_or(|device| *d == device));
-        let folder = |(n, _): (usize, _)| if has_device_folders { run.join(device_folder(n)) } else { run.clone() };
-        devices.map(folder).map(|folder| folder.join(file)).collect::<Vec<_>>()
-    };
-    inputs.iter().flat_map(candidates_of_run).collect()
 }
 
 /// Prints how many cells of how many devices were merged, and which cells are missing.
@@ -205,6 +193,7 @@ fn print_summary(options: &MergeOptions, merged: &MergedRun) -> anyhow::Result<(
         return Ok(printed::json(&summary)?);
     }
     let devices = match merged.cells.devices.len() {
+        0 => "no device".to_owned(),
         1 => "one device".to_owned(),
         n => format!("{n} devices, whose times stay apart"),
     };

@@ -8,6 +8,7 @@ use crate::report::run_folder::JOURNAL;
 use crate::study::columns::Columns;
 use crate::study::engine::{self, Row, Study};
 use crate::study::merge::{MergeInput, MergedRun, ResultKind};
+use ssct::gpu::DeviceInfo;
 use ssct_scenes::inside::PathInFolder;
 
 /// How runs of one kind are merged.
@@ -63,10 +64,10 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
     let device_rows = by_device(&rows, |r| &r.program().device);
     for (n, (device, _)) in device_rows.iter().enumerate() {
         let target = if device_rows.len() > 1 { folder.join(device_folder(n)) } else { (*folder).clone() };
-        let has_device = |input: &&MergeInput| input.cells.devices.contains(device);
-        let device_inputs: Vec<&MergeInput> = inputs.iter().filter(has_device).collect();
+        let device_folders = folders_with_files(inputs, Some(device));
         for name in R::FOLDERS {
-            copies::copy_files(&named_folders(&device_inputs, name), &target.join(name), false)?;
+            let named_folders: Vec<_> = device_folders.iter().map(|folder| folder.join(name)).collect();
+            copies::copy_files(&named_folders, &target.join(name), false)?;
         }
     }
     Results { rows: &rows, list: &merged.cells, missing: &merged.missing }.write(folder)?;
@@ -76,8 +77,9 @@ fn write_study<R: Row>(Merging { inputs, merged, folder }: &Merging) -> anyhow::
 /// Checks the journal of a run, and the files beside it that merging copies.
 fn check_study<R: Row>(input: &MergeInput) -> Result<()> {
     engine::check::<R>(input).map_err(|(line, why)| wrong_journal(input, line, &why))?;
-    let folders = R::FOLDERS.iter().flat_map(|name| named_folders(&[input], name));
-    Ok(folders.into_iter().try_for_each(|folder| copies::check_files(&folder))?)
+    let folders = folders_with_files(std::slice::from_ref(input), None);
+    let mut named_folders = R::FOLDERS.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    Ok(named_folders.try_for_each(|folder| copies::check_files(&folder))?)
 }
 
 /// Makes the error for a journal with a result that cannot be right, in the given line if it is known.
@@ -85,14 +87,17 @@ pub fn wrong_journal(input: &MergeInput, line: Option<usize>, why: &str) -> Erro
     Error::malformed(input.folder.join(JOURNAL), line, why)
 }
 
-/// Returns the folders called `name` of some runs: in each run's folder, and in the run's folder of each device.
-fn named_folders(inputs: &[&MergeInput], name: &str) -> Vec<PathInFolder> {
-    let run_folders = |input: &&MergeInput| {
+/// Returns the folders where some runs have files that were made on `device`, or on any device if it is `None`.
+pub fn folders_with_files(inputs: &[MergeInput], device: Option<&DeviceInfo>) -> Vec<PathInFolder> {
+    let folders_of_run = |input: &MergeInput| {
         let run = PathInFolder::folder(&input.folder);
-        let devices = (0..input.cells.devices.len()).map(|n| run.join(device_folder(n)).join(name));
-        std::iter::once(run.join(name)).chain(devices).collect::<Vec<_>>()
+        // A run of several devices has a folder for each of them.
+        let has_device_folders = input.cells.devices.len() > 1;
+        let devices = input.cells.devices.iter().enumerate().filter(|(_, d)| device.is_none_or(|device| *d == device));
+        let folder = |(n, _): (usize, _)| if has_device_folders { run.join(device_folder(n)) } else { run.clone() };
+        devices.map(folder).collect::<Vec<_>>()
     };
-    inputs.iter().flat_map(run_folders).collect()
+    inputs.iter().flat_map(folders_of_run).collect()
 }
 
 /// Returns an error if a row fails that has to pass.

@@ -78,50 +78,40 @@ pub fn merge(inputs: &[MergeInput], kind: ResultKind) -> Result<MergedRun> {
         }
     }
     check_overlaps(inputs, kind)?;
-    let mut cells = with_results_of_all(&first.cells, inputs);
     // Keeps the first of several lines with one key.
     let mut seen_keys = HashSet::new();
     let all = inputs.iter().flat_map(|input| &input.lines).map(|line| &line.text);
     let is_first = |line: &&String| key_of(line).is_some_and(|key| seen_keys.insert(key));
     let lines: Vec<String> = all.filter(is_first).cloned().collect();
     let journal = Journal::resume(lines.iter().map(String::as_str), None);
-    // Leaves out results that the merged journal lacks.
+    let mut cells = CellList { shard: None, devices: Vec::new(), ..first.cells.clone() };
     let (mut results, mut missing) = (Vec::new(), Vec::new());
-    for cell in &mut cells.cells {
-        cell.results.retain(|result| {
-            let value = (kind.read)(&first.cells, result, &journal);
-            let is_measured = value.is_some();
-            results.extend(value.map(|value| MergedResult { device: result.device, value }));
-            is_measured
+    for (n, cell) in cells.cells.iter_mut().enumerate() {
+        cell.results.clear();
+        let listed_results = inputs.iter().flat_map(|input| {
+            let results = &input.cells.cells[n].results;
+            results.iter().filter_map(|result| Some((result, input.cells.devices.get(result.device)?)))
         });
+        for (result, device) in listed_results {
+            // Results that the merged journal lacks are left out, and so are devices without any other result: the
+            // folders of a run's devices are numbered like its list of devices.
+            let Some(value) = (kind.read)(&first.cells, result, &journal) else { continue };
+            if cell.results.iter().any(|known| known.key == result.key) {
+                continue;
+            }
+            let device_index = cells.devices.iter().position(|known| known == device).unwrap_or_else(|| {
+                cells.devices.push(device.clone());
+                cells.devices.len() - 1
+            });
+            cell.results.push(ListedResult { device: device_index, ..result.clone() });
+            results.push(MergedResult { device: device_index, value });
+        }
         cell.is_own = !cell.results.is_empty();
         if !cell.is_own {
             missing.push(cell.name.clone());
         }
     }
     Ok(MergedRun { cells, journal, lines, results, missing })
-}
-
-/// Returns the list of cells `first` with the results that all runs list; their devices are indices into the merged
-/// list of devices.
-fn with_results_of_all(first: &CellList, inputs: &[MergeInput]) -> CellList {
-    let mut merged = CellList { shard: None, devices: Vec::new(), ..first.clone() };
-    for (n, cell) in merged.cells.iter_mut().enumerate() {
-        cell.results = Vec::new();
-        for input in inputs {
-            for result in &input.cells.cells[n].results {
-                let Some(device) = input.cells.devices.get(result.device) else { continue };
-                let device_index = merged.devices.iter().position(|known| known == device).unwrap_or_else(|| {
-                    merged.devices.push(device.clone());
-                    merged.devices.len() - 1
-                });
-                if !cell.results.iter().any(|known| known.key == result.key) {
-                    cell.results.push(ListedResult { device: device_index, ..result.clone() });
-                }
-            }
-        }
-    }
-    merged
 }
 
 /// Describes the first of `N` properties, given by names and values, in which `b` differs from `a`, as the end of a
@@ -299,6 +289,17 @@ mod tests {
         };
         let both = merge(&[merged, input("B", "y", &all[1..])], KIND).expect("they agree");
         assert_eq!((both.results, both.cells), (two.results, two.cells));
+    }
+
+    #[test]
+    fn a_device_whose_results_are_in_no_journal_is_not_listed() {
+        let mut interrupted = input("A", "x", &[("a", 1.0)]);
+        interrupted.journal = Journal::resume(std::iter::empty(), None);
+        interrupted.lines.clear();
+        let merged = merge(&[interrupted, input("B", "y", &[("b", 2.0)])], KIND).expect("one study");
+        let names: Vec<_> = merged.cells.devices.iter().map(|device| device.name.as_str()).collect();
+        assert_eq!((names, merged.results.len(), merged.results[0].device), (vec!["y"], 1, 0));
+        assert_eq!(merged.missing, ["a", "c"]);
     }
 
     #[test]
