@@ -80,7 +80,7 @@ pub unsafe extern "C" fn ssct_capture_cubes_create(
                 places,
                 side: info.side,
                 view_to_clip: info.view_to_clip,
-                clip_y: to_clip_y(info.clip_y)?,
+                clip_y: to_clip_y("info.clip_y", info.clip_y)?,
                 bounds,
                 frames_in_flight: frames_in_flight(info.frames_in_flight)?,
             },

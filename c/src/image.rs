@@ -234,11 +234,11 @@ fn aspects(format: VkFormat) -> vk::ImageAspectFlags {
 }
 
 /// Converts a constant of the header to the Rust interface's type; fails for a number that is none of SSCT_CLIP_Y_*.
-pub fn to_clip_y(value: SsctClipY) -> Outcome<ClipY> {
+pub fn to_clip_y(field: &str, value: SsctClipY) -> Outcome<ClipY> {
     match value {
         SSCT_CLIP_Y_DOWN => Ok(ClipY::Down),
         SSCT_CLIP_Y_UP => Ok(ClipY::Up),
-        other => Err(none_of("SSCT_CLIP_Y_*", "clip_y", other)),
+        other => Err(none_of("SSCT_CLIP_Y_*", field, other)),
     }
 }
 
@@ -248,8 +248,8 @@ pub fn to_clip_y(value: SsctClipY) -> Outcome<ClipY> {
 /// The contract is that of [`to_image_input`].
 pub unsafe fn to_camera_input(pointer: *const SsctCamera) -> Outcome<CameraInput> {
     // SAFETY: the caller keeps to the contract of this function.
-    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { copy_struct("camera", pointer) }?;
-    Ok(CameraInput { world_to_view, view_to_clip, clip_y: to_clip_y(y)? })
+    let SsctCamera { world_to_view, view_to_clip, clip_y: y, .. } = unsafe { copy_struct("frame.camera", pointer) }?;
+    Ok(CameraInput { world_to_view, view_to_clip, clip_y: to_clip_y("frame.camera.clip_y", y)? })
 }
 
 /// Copies the caller's description of normals into the Rust interface's type.
@@ -259,20 +259,20 @@ pub unsafe fn to_camera_input(pointer: *const SsctCamera) -> Outcome<CameraInput
 pub unsafe fn to_normal_input(pointer: *const SsctNormals) -> Outcome<NormalInput> {
     // SAFETY: the caller keeps to the contract of this function.
     let (normals, image) = unsafe {
-        let normals = copy_struct("normals", pointer)?;
-        (normals, to_image_input("normals.image", normals.image, 1)?)
+        let normals = copy_struct("frame.normals", pointer)?;
+        (normals, to_image_input("frame.normals.image", normals.image, 1)?)
     };
     let space = match normals.space {
         SSCT_NORMAL_SPACE_VIEW => NormalSpace::View,
         SSCT_NORMAL_SPACE_WORLD => NormalSpace::World,
-        other => return Err(none_of("SSCT_NORMAL_SPACE_*", "normals.space", other)),
+        other => return Err(none_of("SSCT_NORMAL_SPACE_*", "frame.normals.space", other)),
     };
     let encoding = match normals.encoding {
         SSCT_NORMAL_ENCODING_FLOAT => NormalEncoding::Float,
         SSCT_NORMAL_ENCODING_UNORM => NormalEncoding::Unorm,
         SSCT_NORMAL_ENCODING_OCTAHEDRAL => NormalEncoding::Octahedral,
         SSCT_NORMAL_ENCODING_OCTAHEDRAL_UNORM => NormalEncoding::OctahedralUnorm,
-        other => return Err(none_of("SSCT_NORMAL_ENCODING_*", "normals.encoding", other)),
+        other => return Err(none_of("SSCT_NORMAL_ENCODING_*", "frame.normals.encoding", other)),
     };
     Ok(NormalInput { image, space, encoding })
 }

@@ -53,9 +53,9 @@ fn null_pointers_are_refused_by_every_function() {
         assert_null(ssct_reflections_times(reflections, 0, null_mut(), &mut 0), "times");
         assert_null(ssct_reflections_times(reflections, 0, &mut null(), null_mut()), "count");
         for (lacking, argument) in [
-            (SsctFrame { camera: null(), ..frame }, "camera"),
+            (SsctFrame { camera: null(), ..frame }, "frame.camera"),
             (SsctFrame { depth: null(), ..frame }, "frame.depth"),
-            (SsctFrame { normals: null(), ..frame }, "normals"),
+            (SsctFrame { normals: null(), ..frame }, "frame.normals"),
             (SsctFrame { reflectivity: null(), ..frame }, "frame.reflectivity"),
             (SsctFrame { roughness: null(), ..frame }, "frame.roughness"),
             (SsctFrame { color: null(), ..frame }, "frame.color"),
