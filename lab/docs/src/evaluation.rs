@@ -311,10 +311,16 @@ fn summarize_groups(function: &str, by: &[String], numbers: &Numbers) -> Result<
     Ok(Numbers { by: by.to_vec(), items: groups.into_iter().map(summarize_group).collect::<Result<_>>()? })
 }
 
+/// Says that the record with a key has no record that it could be matched with.
+fn lonely_record(key: &[String]) -> String {
+    let values: Vec<&str> = key.iter().map(String::as_str).filter(|value| !value.is_empty()).collect();
+    format!("the record of {} has no other beside it", values.join(", "))
+}
+
 /// Applies a function to the numbers of two sets, row by row. Rows with the same key belong together, in the order in
 /// which they stand; a single row on the right belongs to all rows of its key on the left. Rows on the left without a
-/// partner are left out if `is_lenient`, and otherwise an error. More rows on the right than on the left are an error,
-/// too, unless `is_lenient`, or the rows on the right are matched by fewer fields.
+/// partner are left out if `is_lenient`, and otherwise an error. Rows on the right without a partner are an error, too,
+/// unless `is_lenient`, or the rows on the right are matched by fewer fields.
 fn match_rows(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, is_lenient: bool) -> Result<Numbers> {
     let by: Vec<String> = left.by.iter().filter(|field| right.by.contains(field)).cloned().collect();
     // The numbers on the right by their key.
@@ -335,12 +341,17 @@ fn match_rows(left: Numbers, right: &Numbers, apply: impl Fn(f64, f64) -> f64, i
         match partner {
             Some(other) => items.push((row.clone(), apply(*number, other))),
             None if is_lenient => {}
-            None => return Err(Failure::missing(format!("the record of {} has no other beside it", key.join(", ")))),
+            None => return Err(Failure::missing(lonely_record(&key))),
         }
     }
-    let all_have_partners = by.len() < left.by.len() || left.items.len() >= right.items.len();
-    if !is_lenient && !all_have_partners {
-        return Err(format!("{} records beside {}", left.items.len(), right.items.len()).into());
+    let is_whole_key = by.len() == left.by.len();
+    let lonely = right
+        .items
+        .iter()
+        .map(|(row, _)| row_key(row, &by))
+        .find(|key| seen.get(key).copied().unwrap_or_default() < partners[key].len());
+    if let Some(key) = lonely.filter(|_| is_whole_key && !is_lenient) {
+        return Err(lonely_record(&key).into());
     }
     Ok(Numbers { by: left.by, items })
 }

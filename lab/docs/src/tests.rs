@@ -9,6 +9,10 @@ const QUERIES: &str = r#"
 from = "a.csv"
 answer = "{ratio(median(over(ms, $method, $other)))}"
 
+["twice $method $other"]
+from = "twice.csv"
+answer = "{ratio(median(over(ms, $method, $other)))}"
+
 [table]
 rows = ["method: distinct [a.csv:] method"]
 from = "a.csv"
@@ -49,6 +53,7 @@ fn repository(run: &str) -> (tempfile::TempDir, Queries, Vec<PathBuf>) {
         &format!("{run}/b.json"),
         r#"[{"method": "a", "width": 4, "height": 3, "frames": [{"ms": 1.5}, {"ms": 2.5}]}]"#,
     );
+    write(&format!("{run}/twice.csv"), "method,view,ms\na,x,1\na,y,3\nb,x,2\nb,x,4\n");
     write(&format!("{run}/c.csv"), "against,rmse\nscreen,1\n");
     let queries = Queries::read(folder.path()).unwrap();
     let folders = vec![folder.path().join(run)];
@@ -73,6 +78,8 @@ fn a_query_for_which_records_are_missing_or_too_old_is_an_error() {
     let (_folder, queries, run) = repository("runs/2026-11-27-lavapipe");
     for (query, words) in [
         ("over a c", "has no other beside it"),
+        // Two rows of b are both in the view x, so that the row of a in the view y is compared with none.
+        ("twice b a", "the record of y has no other beside it"),
         ("over a none", "none of 0 records has ms"),
         ("empty", "the table would be empty"),
         ("screen", "is against an older reference"),
