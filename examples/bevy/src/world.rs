@@ -74,8 +74,16 @@ type Changed3d = Or<(
     Changed<InheritedVisibility>,
 )>;
 
-/// Matches the entities whose change makes [`gather`] gather all meshes anew.
-type ChangedMeshes = (With<MeshMaterial3d<StandardMaterial>>, Without<NotReflected>, Changed3d);
+/// Matches the entities whose change makes [`gather`] gather all meshes anew: meshes that it gathers, and those that it
+/// no longer gathers.
+type ChangedMeshes =
+    Or<((With<MeshMaterial3d<StandardMaterial>>, Without<NotReflected>, Changed3d), Added<NotReflected>)>;
+/// The entities that lost a component on which it depends whether [`gather`] gathers their mesh.
+type Removed<'w, 's> = (
+    RemovedComponents<'w, 's, Mesh3d>,
+    RemovedComponents<'w, 's, MeshMaterial3d<StandardMaterial>>,
+    RemovedComponents<'w, 's, NotReflected>,
+);
 /// Readers of the changes of meshes, materials and images.
 type AssetEvents<'w, 's> = (
     MessageReader<'w, 's, AssetEvent<Mesh>>,
@@ -90,13 +98,14 @@ pub fn gather(
     light: Res<LightOnMeshes>,
     drawn: Query<Drawn, Without<NotReflected>>,
     changed: Query<(), ChangedMeshes>,
-    mut removed: RemovedComponents<Mesh3d>,
+    (mut meshes_removed, mut materials_removed, mut marks_removed): Removed,
     (mut mesh_events, mut material_events, mut image_events): AssetEvents,
     meshes: Res<Assets<Mesh>>,
     (materials, images): (Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
 ) {
     let asset_changes = mesh_events.read().count() + material_events.read().count() + image_events.read().count();
-    if changed.is_empty() && removed.read().count() == 0 && asset_changes == 0 && !light.is_changed() {
+    let removed = meshes_removed.read().count() + materials_removed.read().count() + marks_removed.read().count();
+    if changed.is_empty() && removed == 0 && asset_changes == 0 && !light.is_changed() {
         return;
     }
     let mut gathered = GatheredMeshes { light: light.0, ..default() };
