@@ -133,7 +133,11 @@ fn colors(image: &image::RgbImage, columns: std::ops::Range<u32>) -> usize {
 /// submits no work to the GPU. A panel that asks for frames all the time would keep the GPU busy.
 #[test]
 fn every_part_of_the_panel_opens_beside_the_picture_and_an_idle_window_submits_nothing() {
-    let Some(server) = Xvfb::start("every_part_of_the_panel_opens_beside_the_picture") else { return };
+    let Some(server) =
+        Xvfb::start("every_part_of_the_panel_opens_beside_the_picture_and_an_idle_window_submits_nothing")
+    else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let mut screens = Vec::new();
     for panel in ["tune", "live", "inside", "ray", "path", "captures", "shaders"] {

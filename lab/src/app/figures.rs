@@ -16,7 +16,7 @@ use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::journal::{digest, scene_digest};
 use crate::study::names::one_line;
 use crate::study::record::DEFINITIONS;
-use plate::{Document, FinishedFigure, Plate, PrintedScene, quote_word};
+use plate::{Document, FinishedFigure, Plate, PrintedScene};
 use plates::plates;
 use renderer::FigureRenderer;
 use serde_json::{Value, json};
@@ -272,7 +272,7 @@ fn command(options: &FiguresOptions, only: &str) -> String {
 
 /// The text ` --scene FILE` for a shown command; empty if the options name no scene file.
 fn scene_option(options: &FiguresOptions) -> String {
-    scene_file(options).map_or_else(String::new, |file| format!(" --scene {}", quote_word(&file)))
+    scene_file(options).map_or_else(String::new, |file| format!(" --scene {}", printed::quote_word(&file)))
 }
 
 #[cfg(test)]

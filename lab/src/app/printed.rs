@@ -31,3 +31,34 @@ impl Write for PrintableOutput {
 pub fn json(value: &serde_json::Value) -> Result<()> {
     writeln!(out(), "{}", crate::study::names::json_text(&value.to_string()))
 }
+
+/// Returns a text as one word of a command for a shell: between quotation marks if a shell would read it otherwise.
+pub fn quote_word(text: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./:,=+%@".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text.to_owned()
+    } else if text.contains(['"', '$', '`', '\\', '!']) {
+        // Nothing between apostrophes has a meaning, and an apostrophe itself stands outside them.
+        format!("'{}'", text.replace('\'', r"'\''"))
+    } else {
+        format!("\"{text}\"")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quote_word;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_read_them_otherwise() {
+        for (text, quoted) in [
+            ("a/b.obj", "a/b.obj"),
+            ("a room.obj", "\"a room.obj\""),
+            ("it's.obj", "\"it's.obj\""),
+            ("$5 o'clock.obj", r"'$5 o'\''clock.obj'"),
+            ("", "\"\""),
+        ] {
+            assert_eq!(quote_word(text), quoted);
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! Parts that the commands with long runs share: a run's folder, its journal, a way to stop it, and the command line that pages show.
 
+use super::printed::quote_word;
 use crate::error::{Error, Result};
 use crate::report::run_folder::{FolderClaim, JOURNAL};
 use crate::study::cell_list::CellList;
@@ -91,8 +92,7 @@ pub fn command_line() -> String {
     study_command(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
-/// Returns the command of the whole study, made of a run's arguments after the program's name. Arguments with blanks
-/// are put in quotes.
+/// Returns the command of the whole study, made of a run's arguments after the program's name.
 fn study_command(arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["ssct".to_owned()];
     // Whether the next argument is the value of a flag that is left out.
@@ -110,8 +110,7 @@ fn study_command(arguments: impl Iterator<Item = String>) -> String {
         if argument.starts_with("-o") {
             continue;
         }
-        let mark = if argument.contains('"') { '\'' } else { '"' };
-        words.push(if argument.contains(char::is_whitespace) { format!("{mark}{argument}{mark}") } else { argument });
+        words.push(quote_word(&argument));
     }
     words.join(" ")
 }

@@ -12,7 +12,7 @@ use ssct::passes::Content;
 use ssct::passes::look::PictureDisplay;
 use ssct_lab::app::cli::SceneOptions;
 use ssct_lab::app::resolve;
-use ssct_lab::error::Result;
+use ssct_lab::error::{Error, Result};
 use ssct_lab::study::pixel::{self, MethodImages, PixelMethod, PixelReport};
 use ssct_truth::reference::surface::World;
 use std::path::PathBuf;
@@ -22,8 +22,12 @@ impl Viewer {
     /// Updates pictures and screen to match the state; returns whether there was anything to do. `extent` is the
     /// window's size in pixels, and a point of the panel has `pixels_per_point` pixels.
     pub(super) fn follow(&mut self, actions: &PanelActions, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
-        if self.state.scene != scene_name(&self.place) {
-            self.load_scene()?;
+        let shown = scene_name(&self.place);
+        if self.state.scene != shown {
+            self.scene_fault = self.load_scene().err().map(|e| e.to_string());
+            if self.scene_fault.is_some() {
+                self.state.scene = shown;
+            }
         }
         if self.screen.extent() != extent {
             self.screen = new_screen(&self.gpu, self.screen.format(), extent)?;
@@ -133,19 +137,33 @@ impl Viewer {
         Ok(())
     }
 
-    /// Loads the scene that the state names, and shows its first view.
+    /// Loads the scene that the state names, and shows its first view. After an error, the shown scene is as it was.
     fn load_scene(&mut self) -> Result<()> {
-        let place = if self.state.scene == scene_name(&self.first_place) {
-            self.first_place.clone()
+        let first_place = self.first_place.clone();
+        let place = if self.state.scene == scene_name(&first_place) {
+            first_place
         } else {
-            SceneOptions { scene: vec![PathBuf::from(&self.state.scene)], ..self.first_place.clone() }
+            // Options that suit the size or the motions of the first scene alone are left out.
+            SceneOptions {
+                scene: vec![PathBuf::from(&self.state.scene)],
+                scale: 1.0,
+                time: None,
+                motion: None,
+                orthographic_height: None,
+                near: None,
+                far: None,
+                ..first_place
+            }
         };
         let scene = resolve::scene(&place, "rooms")?;
-        self.views = views_with_lens(&scene, &place)?;
-        let Some(first) = self.views.first().cloned() else { return Ok(()) };
+        let views = views_with_lens(&scene, &place)?;
+        let Some(first) = views.first().cloned() else {
+            return Err(Error::usage(format!("scene {} has no view", scene.name)));
+        };
         // The memory of the old scene is freed before the new one is uploaded.
         self.pictures.discard_pipelines();
         self.pictures = Pictures::new(&self.gpu, &scene)?;
+        self.views = views;
         self.state.camera = Self::camera(&scene, &first);
         self.state.show_view(&first);
         self.state.picked = None;

@@ -16,6 +16,7 @@ mod panel;
 mod path;
 mod pictures;
 mod presentation;
+mod reference_command;
 mod reference_error;
 mod reload;
 mod script;

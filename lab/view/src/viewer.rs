@@ -8,6 +8,7 @@ use super::fly_camera::{FlyCamera, FlyMotion};
 use super::panel::{self, PanelActions, PanelData};
 use super::path::PathEditor;
 use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
+use super::reference_command::reference_command;
 use super::reference_error::ReferenceComparison;
 use super::reload::{ShaderChange, ShaderStatus};
 use super::state::State;
@@ -59,6 +60,8 @@ pub struct Viewer {
     pub(super) first_place: SceneOptions,
     /// The names of all scenes that the user can choose.
     scenes: Vec<String>,
+    /// Says why the scene that the user chose last could not be loaded.
+    pub(super) scene_fault: Option<String>,
     pub(super) pictures: Pictures,
     egui: Context,
     /// Draws the panel.
@@ -147,6 +150,7 @@ impl Viewer {
             first_place: place.clone(),
             place,
             scenes,
+            scene_fault: None,
             egui,
             shaders: None,
             analysis: None,
@@ -333,9 +337,10 @@ impl Viewer {
         let extent = self.picture_extent();
         let is_idle = !self.pictures.needs_rendering(&self.frame_request(extent)) && !self.needs_analysis();
         let Self { state, path, captures, pictures, egui, .. } = self;
-        let command = reference_command(state, extent);
+        let command = reference_command(state, &self.scene, &self.place, extent);
         let data = PanelData {
             scenes: &self.scenes,
+            scene_fault: self.scene_fault.as_deref(),
             views: &self.views,
             histories: [0, 1].iter().filter_map(|i| pictures.shown(*i)).map(|s| &s.history).collect(),
             captures: &pictures.shown(0).map_or(Vec::new(), |s| s.captures()),
@@ -390,33 +395,4 @@ pub(super) fn views_with_lens(scene: &Scene, place: &SceneOptions) -> Result<Vec
 pub(super) fn new_screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     Ok(Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })?)
-}
-
-/// Returns the command line that makes the reference of the current picture, which has the given size in pixels. The
-/// command names the view or, if the camera has left it, the camera's eye and the point that it looks at.
-fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
-    let (eye, look_at) = state.camera.place();
-    let camera_options = if state.moved || state.view.name == "custom" {
-        let point = |p: glam::Vec3| format!("{},{},{}", p.x, p.y, p.z);
-        format!("--eye {} --look-at {}", point(eye), point(look_at))
-    } else {
-        format!("--view {}", state.view.name)
-    };
-    let globals = &state.globals;
-    let mut options = String::new();
-    for (flag, value) in [("roughness", globals.roughness), ("normal-deviation", globals.normal_deviation)] {
-        if let Some(v) = value {
-            options += &format!(" --{flag} {v}");
-        }
-    }
-    if globals.reflectivity != 1.0 {
-        options += &format!(" --reflectivity {}", globals.reflectivity);
-    }
-    if let Some(bounces) = state.sides[0].options.get("bounces") {
-        options += &format!(" --bounces {bounces}");
-    }
-    let scene = &state.scene;
-    format!(
-        "ssct render --method reference --scene {scene} {camera_options} --size {width}x{height}{options} -o truth.png"
-    )
 }

@@ -2,6 +2,7 @@
 //! made of, and how they are composed.
 
 use super::renderer::FigureRenderer;
+use crate::app::printed::quote_word;
 use crate::report::images::Rgb;
 use ssct_scenes::Scene;
 
@@ -137,9 +138,4 @@ impl Plate {
             _ => self.differs,
         }
     }
-}
-
-/// Returns a path as one word of a command: between quotation marks if it has white space.
-pub fn quote_word(path: &str) -> String {
-    if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.to_owned() }
 }

@@ -14,6 +14,8 @@ use ssct_scenes::{Capture, View};
 pub struct PanelData<'a> {
     /// Names of all scenes.
     pub scenes: &'a [String],
+    /// Says why the scene that the user chose last could not be loaded.
+    pub scene_fault: Option<&'a str>,
     /// Views of the scene.
     pub views: &'a [View],
     /// Pass times of the shown methods.

@@ -45,6 +45,11 @@ fn draw_place(ui: &mut Ui, state: &mut State, data: &PanelData) {
             }
         });
         ui.end_row();
+        if let Some(fault) = data.scene_fault {
+            ui.label("");
+            ui.colored_label(ui.visuals().error_fg_color, fault);
+            ui.end_row();
+        }
         ui.label("view");
         let moved = if state.moved { " (moved)" } else { "" };
         let mut chosen = None;

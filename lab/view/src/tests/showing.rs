@@ -199,5 +199,16 @@ fn another_scene_is_loaded_and_the_first_comes_back() {
     bench.viewer.act(Action::View(2));
     bench.settle();
     assert!(bench.viewer.read_picture().unwrap().unwrap() == first, "{}", bench.viewer.title());
+    // Planes that suit the first scene alone are not those of another one.
+    bench.viewer.first_place.near = Some(1e9);
+    bench.viewer.state.scene = "street".into();
+    bench.settle();
+    assert!(bench.viewer.title().starts_with("street"), "{:?}", bench.viewer.scene_fault);
+    let street = bench.viewer.read_picture().unwrap().unwrap();
+    bench.viewer.state.scene = "nowhere.obj".into();
+    bench.settle();
+    let fault = bench.viewer.scene_fault.clone().unwrap();
+    assert!(fault.contains("nowhere.obj") && bench.viewer.state.scene == "street", "{fault}");
+    assert!(bench.viewer.read_picture().unwrap().unwrap() == street, "the shown scene stays");
     bench.assert_valid("scenes");
 }
