@@ -303,7 +303,7 @@ impl<'a> Study<'a> {
     }
 
     /// Makes a part. `last` keeps the last scene and its stage, since the views of a scene follow one another. Parts
-    /// that make scenes or stages of their own forget it first, to free its memory.
+    /// that make scenes or stages of their own forget it first, to free its memory, and the pipelines that it used.
     fn make_part(
         &self,
         part: &Part<'a>,
@@ -314,6 +314,7 @@ impl<'a> Study<'a> {
         let (folder, step) = (self.pictures.place(), &mut || progress::step(&self.bar));
         if !matches!(part, Part::Pictures { .. } | Part::Figures(_)) {
             last.forget();
+            self.gpu.trim();
         }
         match part {
             Part::Pictures { scene, view, methods } => {
