@@ -29,9 +29,9 @@ const SIZE: [u32; 2] = [192, 108];
 /// The numbers of captures that are compared.
 const COUNTS: [usize; 6] = [0, 1, 2, 3, 4, 8];
 
-/// True if a place lies inside the image, hidden or not.
-fn is_on_screen(camera: &Camera, place: DVec3) -> bool {
-    let clip = camera.view_to_clip() * camera.world_to_view * place.as_vec3().extend(1.0);
+/// True if a point of the world projects into the camera's image, hidden or not.
+fn is_on_screen(camera: &Camera, point: DVec3) -> bool {
+    let clip = camera.view_to_clip() * camera.world_to_view * point.as_vec3().extend(1.0);
     clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w
 }
 
@@ -41,28 +41,30 @@ fn shown_shares(scene: &Scene, view: &View, captures: &[Capture]) -> [f64; COUNT
     let materials = scene.materials_in(view);
     let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
     let camera = view.camera(scene, SIZE);
-    let first = FirstHits::trace(&world, &camera, SIZE);
-    // For each end, how many captures are needed until one shows it: 0 if the screen shows it, and `None` if nothing
-    // does.
-    let needed: Vec<Option<usize>> = first
+    let first_hits = FirstHits::trace(&world, &camera, SIZE);
+    // For each end of a ray, the number of captures that are needed until one shows it: 0 if the screen shows it, and
+    // `None` if nothing does.
+    let captures_needed: Vec<Option<usize>> = first_hits
         .receivers
         .par_iter()
         .flatten()
-        .filter_map(|r| {
-            let ray = WorldRay { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY };
+        .filter_map(|receiver| {
+            let (origin, direction) = (receiver.position, receiver.mirror());
+            let ray = WorldRay { origin, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
             let end = ray.point_at(world.closest(&ray)?.t);
-            let sees = |from: Vec3| sees(&triangles, from.as_dvec3(), end);
-            if is_on_screen(&camera, end) && sees(view.eye) {
+            let sees_end = |eye: Vec3| sees(&triangles, eye.as_dvec3(), end);
+            if is_on_screen(&camera, end) && sees_end(view.eye) {
                 return Some(Some(0));
             }
-            Some(captures.iter().position(|c| sees(c.position)).map(|index| index + 1))
+            Some(captures.iter().position(|capture| sees_end(capture.position)).map(|index| index + 1))
         })
         .collect();
-    let ends = needed.len().max(1) as f64;
-    COUNTS.map(|count| needed.iter().flatten().filter(|needed| **needed <= count).count() as f64 / ends)
+    let end_count = captures_needed.len().max(1) as f64;
+    COUNTS.map(|count| captures_needed.iter().flatten().filter(|n| **n <= count).count() as f64 / end_count)
 }
 
-/// Places captures in a scene, and prints the scene's lines and table.
+/// Places 8 captures in a scene, and prints a line for each: its place, and the share of what mirrors show beyond the
+/// screen that the captures so far see. Then prints a row of [`shown_shares`] for each view, and their medians.
 fn print_scene(scene: &Scene) {
     let start = Instant::now();
     let placed = place(scene, WantedCaptures::Count(8));
@@ -70,7 +72,7 @@ fn print_scene(scene: &Scene) {
     for (capture, seen) in placed.captures.iter().zip(&placed.seen) {
         println!("{:.2}, {:.1} % seen", capture.position, 100.0 * seen);
     }
-    println!("{},view,{}", scene.name, COUNTS.map(|n| n.to_string()).join(","));
+    println!("{},view,{}", scene.name, COUNTS.map(|count| count.to_string()).join(","));
     let print_row = |name: &str, shares: &[f64; COUNTS.len()]| {
         println!("{},{name},{}", scene.name, shares.map(|s| format!("{:.1}", 100.0 * s)).join(","));
     };
@@ -80,9 +82,10 @@ fn print_scene(scene: &Scene) {
     print_row("median", &std::array::from_fn(|column| median_of(rows.iter().map(|(_, shares)| shares[column]))));
 }
 
+/// Prints the tables of the scenes that the command line names, or of all built-in scenes.
 fn main() {
-    let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let names = if named.is_empty() { library::names().iter().map(|n| n.to_string()).collect() } else { named };
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let names = if arguments.is_empty() { library::names().iter().map(|n| n.to_string()).collect() } else { arguments };
     for name in names {
         let scene = library::scene_or_file(&name).expect("a built-in scene or a file of one");
         print_scene(&scene);

@@ -31,6 +31,8 @@ const SIZE: [u32; 2] = [960, 540];
 /// The roughness values of all surfaces; `None` for the materials of the scene, which differ from pixel to pixel.
 const ROUGHNESS: [Option<f32>; 3] = [None, Some(0.0), Some(0.1)];
 
+/// Times each method at each roughness on each view of the rooms, in the command and through the door, and prints a row
+/// for each. Prints the median ratio of each method at each roughness at the end.
 fn main() {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let scene = library::scene("rooms").expect("a built-in scene");
@@ -50,25 +52,27 @@ fn main() {
                     .expect("a shot");
                 let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
                 let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-                let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
-                let before = context.allocated_bytes();
+                let foreign_gbuffer = ForeignGBuffer::new(&mut engine, &data, NATIVE);
+                let bytes_before = context.allocated_bytes();
                 let info =
                     ReflectionsInfo { extent: SIZE, method: method.name, reflection: false, ..Default::default() };
                 let mut reflections = Reflections::new(&context, &info).expect("reflections");
-                let bytes = context.allocated_bytes() - before;
-                let input = FrameInput { timed: true, reflectors: drawn.reflectors, ..theirs.input() };
-                let mut pairs = Vec::new();
+                let bytes = context.allocated_bytes() - bytes_before;
+                let input = FrameInput { timed: true, reflectors: drawn.reflectors, ..foreign_gbuffer.input() };
+                // The milliseconds of each frame: in the command, through the door, and of the import.
+                let mut frame_times = Vec::new();
                 for frame in 0..WARMUP + FRAMES {
                     let (report, _) = stage.run(&shot, Mode::Timed).expect("a frame");
                     engine.frame(&mut reflections, &input).expect("a frame");
                     engine.reset();
-                    let door = reflections.times(input.slot).expect("times");
+                    let door_passes = reflections.times(input.slot).expect("times");
                     if frame >= WARMUP {
-                        pairs.push([counted(&report.passes), counted(&door), door[0].ms]);
+                        frame_times.push([counted(&report.passes), counted(&door_passes), door_passes[0].ms]);
                     }
                 }
-                let [command, door, import] = [0, 1, 2].map(|i| median_of(pairs.iter().map(|p| p[i])));
-                let ratio = median_of(pairs.iter().map(|p| p[1] / p[0]));
+                let [command, door, import] =
+                    [0, 1, 2].map(|column| median_of(frame_times.iter().map(|ms| ms[column])));
+                let ratio = median_of(frame_times.iter().map(|ms| ms[1] / ms[0]));
                 let (name, view) = (method.name, &view.name);
                 let roughness_label = roughness.map_or("materials".into(), |value| value.to_string());
                 println!("{name},{roughness_label},{view},{command:.3},{door:.3},{ratio:.3},{import:.3},{bytes}");
@@ -76,8 +80,11 @@ fn main() {
             }
         }
     }
-    for (name, roughness) in ["unified", "ssct", "hzct"].into_iter().flat_map(|n| ROUGHNESS.map(|r| (n, r))) {
-        let method_ratios = ratios.iter().filter(|(n, r, _)| (*n, *r) == (name, roughness)).map(|(.., ratio)| *ratio);
+    for (name, roughness) in
+        ["unified", "ssct", "hzct"].into_iter().flat_map(|name| ROUGHNESS.map(|value| (name, value)))
+    {
+        let rows_of_method = ratios.iter().filter(|(method, value, _)| (*method, *value) == (name, roughness));
+        let method_ratios = rows_of_method.map(|(.., ratio)| *ratio);
         println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median_of(method_ratios));
     }
 }

@@ -53,9 +53,9 @@ struct ViewData<'a> {
 }
 
 impl ViewData<'_> {
-    /// Returns the kind of a pixel whose ray begins at `from`, by the ray's end in the world (`truth`), and by the
+    /// Returns the kind of a pixel whose ray begins at `receiver`, by the ray's end in the world (`truth`), and by the
     /// method's path code and end. `None` if the pixel has no ray.
-    fn kind(&self, from: &Receiver, truth: &WorldHit, code: PathCode, end: &RayEnd) -> Option<Kind> {
+    fn kind(&self, receiver: &Receiver, truth: &WorldHit, code: PathCode, end: &RayEnd) -> Option<Kind> {
         let method = match (code, end) {
             (PathCode::HiZ, _) => "screen",
             (_, RayEnd::Place(_)) => "capture",
@@ -70,11 +70,11 @@ impl ViewData<'_> {
         let end = match end {
             _ if is_right => "right",
             RayEnd::Place(place) if place.distance(*position) < 0.1 * length_m => "near",
-            RayEnd::Place(place) if place.distance(from.position) < *length_m => "before",
+            RayEnd::Place(place) if place.distance(receiver.position) < *length_m => "before",
             RayEnd::Place(_) => "behind",
             _ => "other",
         };
-        let truth = if *length_m <= 2.0 * self.pixel_at_1_m * self.eye.distance(from.position) {
+        let truth = if *length_m <= 2.0 * self.pixel_at_1_m * self.eye.distance(receiver.position) {
             "beside"
         } else if *visible {
             "screen"
@@ -99,36 +99,39 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let hits = stage.context.read(hits.0.all()).expect("the hits");
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
     let ends = gbuffer::ray_ends(&hits, &data);
-    let codes = hits.texels().map(|t| PathCode::from_channel(t[3]).unwrap_or(PathCode::None));
+    let codes = hits.texels().map(|texel| PathCode::from_channel(texel[3]).unwrap_or(PathCode::None));
 
     let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
-    let first = FirstHits::shown(&world, &data);
-    let reference = WorldReference::new(&world, &first, &data.camera, 2);
+    let first_hits = FirstHits::shown(&world, &data);
+    let reference = WorldReference::new(&world, &first_hits, &data.camera, 2);
     let mut state = reference.start();
     reference.add(&mut state, RAYS);
-    let truth = reference.image(&state).reflection;
+    let true_color = reference.image(&state).reflection;
     let captures = shot.captures().expect("captures").1.iter().map(|c| c.position.as_dvec3()).collect();
+    // The vertical scale of the projection is 1 over the tangent of half the angle of view.
     let pixel_at_1_m = 2.0 / (f64::from(data.camera.view_to_clip().y_axis.y.abs()) * f64::from(SIZE[1]));
     let view_data = ViewData { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3(), pixel_at_1_m };
 
     // The number of pixels of each kind, and the sum of their squared errors.
-    let mut kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
-    let (mut count, mut sum) = (0, 0.0);
-    for (i, (hit, code)) in world_hits(&world, &data, &first).iter().zip(codes).enumerate() {
-        let Some(receiver) = &first.receivers[i] else { continue };
+    let mut sums_of_kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
+    let (mut pixel_count, mut error_sum) = (0, 0.0);
+    for (i, (hit, code)) in world_hits(&world, &data, &first_hits).iter().zip(codes).enumerate() {
+        let Some(receiver) = &first_hits.receivers[i] else { continue };
         let Some(kind) = view_data.kind(receiver, hit, code, &ends[i]) else { continue };
-        let squared_error = |c: usize| f64::from(color.values[i * color.channels + c] - truth[i][c]).powi(2) / 3.0;
-        let error: f64 = (0..3).map(squared_error).sum();
-        let (pixels, errors) = kinds.entry(kind).or_default();
+        let squared_error =
+            |channel: usize| f64::from(color.values[i * color.channels + channel] - true_color[i][channel]).powi(2);
+        let error = (0..3).map(|channel| squared_error(channel) / 3.0).sum::<f64>();
+        let (pixels, errors) = sums_of_kinds.entry(kind).or_default();
         (*pixels, *errors) = (*pixels + 1, *errors + error);
-        (count, sum) = (count + 1, sum + error);
+        (pixel_count, error_sum) = (pixel_count + 1, error_sum + error);
     }
-    for ([method, end, truth], (pixels, error)) in kinds {
-        let (share, of_error) = (f64::from(pixels) / f64::from(count.max(1)), error / sum);
+    for ([method, end, truth], (pixels, error)) in sums_of_kinds {
+        let (share, of_error) = (f64::from(pixels) / f64::from(pixel_count.max(1)), error / error_sum);
         println!("{},{},{method},{end},{truth},{share:.5},{of_error:.5}", scene.name, view.name);
     }
 }
 
+/// Prints the rows of the scenes that the command line names, or of all built-in scenes.
 fn main() {
     let mut names: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     if names.is_empty() {

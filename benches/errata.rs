@@ -36,9 +36,9 @@ struct Variant {
     name: &'static str,
     method: &'static str,
     views: Views,
-    /// The parameters of both sides.
-    both: Change,
-    /// The change of parameters on the changed side, made after `both`.
+    /// The change of parameters on both sides.
+    base: Change,
+    /// The change of parameters on the changed side, made after `base`.
     change: Change,
     /// The changes of shaders on the changed side.
     edits: Edits,
@@ -60,9 +60,9 @@ enum Views {
 }
 
 impl Views {
-    /// Returns the views as pairs of a scene and a view.
+    /// Returns the names of the views, each behind the name of its scene.
     fn scenes_and_views(self) -> Vec<(&'static str, &'static str)> {
-        let mirrors = ["corridor", "cylinder", "window", "window-floor", "two-cylinders"].map(|v| ("rooms", v));
+        let mirrors = ["corridor", "cylinder", "window", "window-floor", "two-cylinders"].map(|view| ("rooms", view));
         let hall = ("atrium", "hall");
         match self {
             Self::Mirrors => [&mirrors[..], &[hall]].concat(),
@@ -70,7 +70,8 @@ impl Views {
                 [&mirrors[..], &[("rooms", "ceiling"), hall]].concat()
             }
             Self::Billboards => {
-                [&["street", "car", "puddles", "signs"].map(|v| ("street", v))[..], &[("museum", "museum")]].concat()
+                [&["street", "car", "puddles", "signs"].map(|view| ("street", view))[..], &[("museum", "museum")]]
+                    .concat()
             }
         }
     }
@@ -92,17 +93,17 @@ impl Views {
     }
 }
 
-/// Nothing is changed.
+/// The change that leaves all parameters as they are.
 const SAME: Change = Setup::clone;
 
-/// Makes a variant by changed lines of shaders.
+/// Makes a variant whose changed side has changed lines of shaders.
 const fn edited(name: &'static str, method: &'static str, views: Views, edits: Edits) -> Variant {
-    Variant { name, method, views, both: SAME, change: SAME, edits }
+    Variant { name, method, views, base: SAME, change: SAME, edits }
 }
 
-/// Makes a variant by changed parameters.
+/// Makes a variant whose changed side has changed parameters.
 const fn changed(name: &'static str, method: &'static str, views: Views, change: Change) -> Variant {
-    Variant { name, method, views, both: SAME, change, edits: &[] }
+    Variant { name, method, views, base: SAME, change, edits: &[] }
 }
 
 const MARCH: &str = "thesis/linear_ray_march.glsl";
@@ -322,7 +323,7 @@ const VARIANTS: &[Variant] = &[
     }),
 ];
 
-/// Renders one side of a variant on a view.
+/// Renders a variant's method with a setup on a view. Returns the reflection as a display image.
 fn render_side(stage: &mut Stage, variant: &Variant, setup: &Setup, scene: &ssct_scenes::Scene, view: &str) -> Rgb {
     let method = METHODS.iter().find(|m| m.name == variant.method).expect("a method");
     let view = scene.view(view).expect("a view");
@@ -345,22 +346,25 @@ fn measure(
     if views.is_empty() {
         return;
     }
-    let both = (variant.both)(&Setup::new(variant.views.size()));
-    let changed = (variant.change)(&both);
-    let recorded = both.recorded(METHODS.iter().find(|m| m.name == variant.method));
+    let unchanged_setup = (variant.base)(&Setup::new(variant.views.size()));
+    let changed_setup = (variant.change)(&unchanged_setup);
+    let recorded = unchanged_setup.recorded(METHODS.iter().find(|m| m.name == variant.method));
+    // The key of an unchanged image names everything on which the image depends.
     let key = |view: &str| format!("{} {view} {:?} {recorded:?}", variant.method, variant.views.globals().roughness);
     for (_, view) in &views {
-        unchanged.entry(key(view)).or_insert_with(|| render_side(stage, variant, &both, scene, view));
+        unchanged.entry(key(view)).or_insert_with(|| render_side(stage, variant, &unchanged_setup, scene, view));
     }
     let gpu = stage.context.gpu().clone();
     shaders.run_with(&gpu, variant.edits, || {
         for (_, view) in &views {
-            let (share, rmse) = difference(&unchanged[&key(view)], &render_side(stage, variant, &changed, scene, view));
+            let changed_image = render_side(stage, variant, &changed_setup, scene, view);
+            let (share, rmse) = difference(&unchanged[&key(view)], &changed_image);
             println!("{},{},{},{view},{share:.6},{rmse:.6}", variant.name, variant.method, scene.name);
         }
     });
 }
 
+/// Measures the variants that the command line names, or all of them, on every scene that they have views of.
 fn main() {
     let wanted: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");

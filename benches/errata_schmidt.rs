@@ -71,7 +71,7 @@ pub const VARIANTS: &[Variant] = &[
         name: "ssr-fast-blur",
         method: "ssr-fast",
         views: Views::Mirrors,
-        both: |s| s.with(|p: &mut SsrFastParams| p.distance_blur = true),
+        base: |s| s.with(|p: &mut SsrFastParams| p.distance_blur = true),
         change: SAME,
         edits: &[(SCHMIDT, "int counter = 0;", "int counter = 1;")],
     },
@@ -89,29 +89,29 @@ pub const VARIANTS: &[Variant] = &[
         s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken)
     }),
     Variant {
-        both: |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken),
+        base: |s| s.with(|p: &mut BillboardParams| p.billboard_order = Order::Unbroken),
         ..changed("billboard-nearest", "billboard", Views::Billboards, NEAREST)
     },
     Variant {
-        both: NEAREST,
+        base: NEAREST,
         ..changed("billboard-occlusion", "billboard", Views::Billboards, |s| {
             s.with(|p: &mut BillboardParams| p.billboard_occlusion = Occlusion::Depth)
         })
     },
     Variant {
-        both: NEAREST,
+        base: NEAREST,
         ..changed("billboard-roughness", "billboard", Views::Billboards, |s| {
             s.with(|p: &mut BillboardParams| p.billboard_blur = Blur::Roughness)
         })
     },
     Variant {
-        both: NEAREST,
+        base: NEAREST,
         ..changed("billboard-distance", "billboard", Views::Billboards, |s| {
             s.with(|p: &mut BillboardParams| p.billboard_blur = Blur::Distance)
         })
     },
     Variant {
-        both: NEAREST,
+        base: NEAREST,
         ..changed("billboard-glow", "billboard", Views::Billboards, |s| {
             s.with(|p: &mut BillboardParams| (p.billboard_glow, p.billboard_glow_width) = (0.5, 0.5))
         })

@@ -28,6 +28,7 @@ const SIZE: [u32; 2] = [960, 540];
 /// The built-in scenes.
 const SCENES: [&str; 3] = ["rooms", "street", "atrium"];
 
+/// Times `traced` on each view of the scenes, with meshes of one colour each and with textures, and prints the rows.
 fn main() {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let mut engine = Engine::new(&gpu);
@@ -40,14 +41,14 @@ fn main() {
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         let (vertices, textures) = (vertices_of(&scene), textures_of(&scene));
         // The triangles without and with textures, each with the milliseconds and the bytes that making them took.
-        let made = [false, true].map(|are_textured| {
-            let (before, begun) = (context.allocated_bytes(), Instant::now());
+        let scene_triangles = [false, true].map(|are_textured| {
+            let (bytes_before, begun) = (context.allocated_bytes(), Instant::now());
             let meshes = meshes_of(&scene, &vertices, are_textured);
             let used_textures: &[HitTexture] = if are_textured { &textures } else { &[] };
             let mut triangles = Triangles::with_textures(&context, &meshes, used_textures).expect("triangles");
             let made_ms = 1e3 * begun.elapsed().as_secs_f64();
             upload(&engine, &mut triangles);
-            (triangles, made_ms, context.allocated_bytes() - before)
+            (triangles, made_ms, context.allocated_bytes() - bytes_before)
         });
         let globals = Globals { roughness: Some(0.0), ..Globals::default() };
         for view in &scene.views {
@@ -57,28 +58,29 @@ fn main() {
             let shot = Shot::new(&mut stage, method, &setup, Wants::IMAGE, camera, materials).expect("a shot");
             stage.draw(&shot).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-            let theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
-            let mut views = made.each_ref().map(|(triangles, ..)| {
-                let beyond = ReflectionsInfo { triangles: Some(triangles), method: "traced", ..Default::default() };
-                let info = ReflectionsInfo { extent: SIZE, reflection: false, ..beyond };
+            let foreign_gbuffer = ForeignGBuffer::new(&mut engine, &data, NATIVE);
+            let mut reflections = scene_triangles.each_ref().map(|(triangles, ..)| {
+                let defaults = ReflectionsInfo { triangles: Some(triangles), method: "traced", ..Default::default() };
+                let info = ReflectionsInfo { extent: SIZE, reflection: false, ..defaults };
                 Reflections::new(&context, &info).expect("reflections")
             });
-            let mut pairs = Vec::new();
+            // The milliseconds of each frame, without and with textures.
+            let mut frame_times = Vec::new();
             for frame in 0..WARMUP + FRAMES {
-                let times = [0, 1].map(|kind| {
-                    let (triangles, ..) = &made[kind];
-                    let input = FrameInput { timed: true, triangles: Some(triangles), ..theirs.input() };
-                    engine.frame(&mut views[kind], &input).expect("a frame");
+                let times_ms = [0, 1].map(|kind| {
+                    let (triangles, ..) = &scene_triangles[kind];
+                    let input = FrameInput { timed: true, triangles: Some(triangles), ..foreign_gbuffer.input() };
+                    engine.frame(&mut reflections[kind], &input).expect("a frame");
                     engine.reset();
-                    counted(&views[kind].times(input.slot).expect("times"))
+                    counted(&reflections[kind].times(input.slot).expect("times"))
                 });
                 if frame >= WARMUP {
-                    pairs.push(times);
+                    frame_times.push(times_ms);
                 }
             }
-            let [color, texture] = [0, 1].map(|i| median_of(pairs.iter().map(|p| p[i])));
-            let ratio = median_of(pairs.iter().map(|p| p[1] / p[0]));
-            let [(_, color_made, color_bytes), (_, texture_made, texture_bytes)] = &made;
+            let [color, texture] = [0, 1].map(|kind| median_of(frame_times.iter().map(|ms| ms[kind])));
+            let ratio = median_of(frame_times.iter().map(|ms| ms[1] / ms[0]));
+            let [(_, color_made, color_bytes), (_, texture_made, texture_bytes)] = &scene_triangles;
             println!(
                 "{name},{},{color:.3},{texture:.3},{ratio:.3},{color_made:.1},{texture_made:.1},{color_bytes},{texture_bytes}",
                 view.name

@@ -13,11 +13,11 @@ fn obj_of_spirals(corners: usize) -> String {
     let mut text = String::new();
     for face in 0..20 {
         let half = corners / 2;
-        // The line of corner n on a spiral arm that begins at a radius.
+        // Writes the line of corner n on a spiral arm that begins at a radius.
         let corner = |n: usize, radius: f64| {
             let angle = n as f64 * 0.2;
-            let reach = radius + 0.3 * angle;
-            format!("v {} {} {face}\n", reach * angle.cos(), reach * angle.sin())
+            let distance = radius + 0.3 * angle;
+            format!("v {} {} {face}\n", distance * angle.cos(), distance * angle.sin())
         };
         // The outline goes out along one arm and back along the other.
         text.extend((0..half).map(|n| corner(n, 1.0)).chain((0..half).rev().map(|n| corner(n, 1.5))));
@@ -35,16 +35,17 @@ fn obj_of_spirals(corners: usize) -> String {
 fn gltf_of_cameras(count: usize) -> String {
     let camera = r#"{"camera":0,"name":"cam","translation":[0,0,4]}"#;
     let nodes = vec![camera; count].join(",");
-    let list: Vec<String> = (0..=count).map(|node| node.to_string()).collect();
+    let node_numbers: Vec<String> = (0..=count).map(|node| node.to_string()).collect();
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let data: String = corners.iter().flat_map(|v| v.to_le_bytes()).map(|byte| format!("%{byte:02X}")).collect();
+    let data: String =
+        corners.iter().flat_map(|coordinate| coordinate.to_le_bytes()).map(|byte| format!("%{byte:02X}")).collect();
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{}]}}],"nodes":[{{"mesh":0}},{nodes}],
         "cameras":[{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1}}}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
         "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
         "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36,"uri":"data:,{data}"}}]}}"#,
-        list.join(",")
+        node_numbers.join(",")
     )
 }
 

@@ -14,8 +14,8 @@ use std::time::Duration;
 /// Width and height of the frames in pixels.
 const SIZE: [u32; 2] = [480, 270];
 
-/// Times the passes of every method that count, the scene passes left out.
-fn methods(criterion: &mut Criterion) {
+/// Times the passes of every method that count, without the scene passes.
+fn time_methods(criterion: &mut Criterion) {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let scene = library::scene("rooms").expect("a built-in scene");
     let view = scene.view("corridor").expect("a view of the rooms");
@@ -48,5 +48,5 @@ fn methods(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, methods);
+criterion_group!(benches, time_methods);
 criterion_main!(benches);

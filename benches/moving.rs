@@ -29,24 +29,26 @@ fn milliseconds(action: impl FnOnce()) -> f64 {
     1e3 * begun.elapsed().as_secs_f64()
 }
 
+/// Times both ways of moving a mesh in each scene of [`MOVING`], and prints a row for each.
 fn main() {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
     println!("scene,mesh,triangles,moving_triangles,whole_ms,moving_ms");
     for (name, mesh) in MOVING {
         let scene = library::scene(name).expect("a built-in scene");
-        let bare = Scene { meshes: scene.meshes.clone(), materials: scene.materials.clone(), ..Scene::default() };
+        let scene_at_rest =
+            Scene { meshes: scene.meshes.clone(), materials: scene.materials.clone(), ..Scene::default() };
         let mut context = FrameContext::new(&gpu).expect("a context");
         let mut data = SceneData::upload(&mut context, &scene).expect("device memory");
         data.set_tree_builder(Trees::new(&scene));
-        let [mut whole, mut moving] = [const { Vec::new() }; 2];
+        let [mut whole_times, mut moving_times] = [const { Vec::new() }; 2];
         for frame in 1..=FRAMES + 1 {
             let offset = Vec3::Y * 0.01 * frame as f32;
             let whole_ms = milliseconds(|| {
-                let mut placed = bare.clone();
-                placed.meshes.iter_mut().filter(|m| m.name == mesh).for_each(|m| m.translate(offset));
-                let tree = Tree::build(&placed).expect("a tree");
-                let records = TriangleRecords::new(&placed, &tree);
+                let mut moved_scene = scene_at_rest.clone();
+                moved_scene.meshes.iter_mut().filter(|m| m.name == mesh).for_each(|m| m.translate(offset));
+                let tree = Tree::build(&moved_scene).expect("a tree");
+                let records = TriangleRecords::new(&moved_scene, &tree);
                 TriangleGeometry::new(&mut context, (&tree, &records), &MovingTriangles::default()).expect("memory");
             });
             data.place_meshes(mesh, offset).expect("a mesh");
@@ -56,12 +58,12 @@ fn main() {
             });
             // In the first frame, which does not count, the mesh is also removed from the tree of meshes at rest.
             if frame > 1 {
-                whole.push(whole_ms);
-                moving.push(moving_ms);
+                whole_times.push(whole_ms);
+                moving_times.push(moving_ms);
             }
         }
-        let moved: usize = scene.meshes.iter().filter(|m| m.name == mesh).map(|m| m.indices.len() / 3).sum();
-        let (all, [whole, moving]) = (scene.triangle_count(), [whole, moving].map(median_of));
-        println!("{name},{mesh},{all},{moved},{whole:.2},{moving:.2}");
+        let moving_triangles: usize = scene.meshes.iter().filter(|m| m.name == mesh).map(|m| m.indices.len() / 3).sum();
+        let (triangles, [whole_ms, moving_ms]) = (scene.triangle_count(), [whole_times, moving_times].map(median_of));
+        println!("{name},{mesh},{triangles},{moving_triangles},{whole_ms:.2},{moving_ms:.2}");
     }
 }

@@ -40,8 +40,8 @@ const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
 /// Returns the milliseconds of the effect, of its pyramid, and of the other passes whose time does not depend on the
 /// number of reflecting pixels.
 fn effect_ms(report: &FrameReport) -> [f64; 3] {
-    let milliseconds = |passes: &dyn Fn(&str) -> bool| {
-        report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
+    let milliseconds = |is_wanted: &dyn Fn(&str) -> bool| {
+        report.passes.iter().filter(|pass| pass.counted && is_wanted(&pass.name)).map(|pass| pass.ms).sum()
     };
     let is_fixed = |name: &str| ["classify", "composite", "color"].contains(&name.split('/').next().unwrap_or(name));
     [milliseconds(&|_| true), milliseconds(&|name| name == "pyramid"), milliseconds(&is_fixed)]
@@ -55,21 +55,22 @@ fn count_cells(data: &GBufferData) -> [f64; 2] {
         let ray = traversal.mirror_ray(x, y).filter(|_| reflects[data.index(x, y)]);
         ray.map_or(0, |(ray, _)| traversal.traverse(&ray).steps)
     };
-    let (mut sum, mut most) = (0.0, 0.0);
+    let (mut sum_of_means, mut sum_of_maxima) = (0.0, 0.0);
     for (top, left) in (0..data.height / 2).flat_map(|y| (0..data.width / 4).map(move |x| (2 * y, 4 * x))) {
         let block_steps: [i32; 8] = std::array::from_fn(|i| steps(left + i as u32 % 4, top + i as u32 / 4));
-        sum += block_steps.iter().map(|n| f64::from(*n)).sum::<f64>() / 8.0;
-        most += f64::from(block_steps.into_iter().max().unwrap_or(0));
+        sum_of_means += block_steps.iter().map(|steps| f64::from(*steps)).sum::<f64>() / 8.0;
+        sum_of_maxima += f64::from(block_steps.into_iter().max().unwrap_or(0));
     }
-    [sum, most].map(|n| n / f64::from(data.width / 4 * (data.height / 2)))
+    [sum_of_means, sum_of_maxima].map(|sum| sum / f64::from(data.width / 4 * (data.height / 2)))
 }
 
 /// Returns the share of the pixels that lie in tiles with at least one reflecting pixel; only these tiles are drawn.
 fn covered_share(data: &GBufferData) -> f64 {
     let mut tiles = BTreeSet::new();
-    for (i, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
-        tiles.insert([i as u32 % data.width / TILE, i as u32 / data.width / TILE]);
+    for (pixel, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
+        tiles.insert([pixel as u32 % data.width / TILE, pixel as u32 / data.width / TILE]);
     }
+    // Tiles at the right and lower border of the image may be cut off.
     let side = |tile: u32, size: u32| TILE.min(size - tile * TILE);
     let pixels: u32 = tiles.iter().map(|[x, y]| side(*x, data.width) * side(*y, data.height)).sum();
     f64::from(pixels) / data.depth.len() as f64
@@ -83,6 +84,8 @@ fn run_effect(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, cam
     frame.finish().expect("the frame's end")
 }
 
+/// Measures both questions, "need" and "growth", at each roughness on each view of the rooms. Prints a row for each
+/// view, and the medians over the views.
 fn main() {
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let scene = library::scene("rooms").expect("a built-in scene");
@@ -106,18 +109,18 @@ fn main() {
                     .expect("a shot");
             let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-            let parts = [1.0, 0.1, 0.0].map(|share| {
+            let gbuffers = [1.0, 0.1, 0.0].map(|share| {
                 let data = masked(&data, share);
-                let reflecting = data.reflecting().iter().filter(|r| **r).count();
+                let reflecting = data.reflecting().iter().filter(|reflects| **reflects).count();
                 let is_share = (reflecting as f64 / data.depth.len() as f64) < 1.02 * share + 1e-3;
                 assert!(is_share, "{reflecting} pixels reflect");
                 data
             });
             let images =
-                parts.each_ref().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload"));
-            let covered = covered_share(&parts[1]);
-            let all = drawn.reflectors;
-            let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
+                gbuffers.each_ref().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload"));
+            let covered = covered_share(&gbuffers[1]);
+            let all_pixels = drawn.reflectors;
+            let reflectors = [all_pixels, Reflectors { everywhere: false, ..all_pixels }, Reflectors::default()];
             let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::on_screen(SIZE), Wants::IMAGE, None)
                 .expect("the effect");
             let shots = GROWTH.map(|size| {
@@ -130,39 +133,43 @@ fn main() {
                 stage.run(shot, Mode::Plain).expect("a frame");
                 count_cells(&gbuffer::read(&mut stage.context, shot).expect("the G-buffer"))
             });
-            let [mean, in_step] = [0, 1].map(|i| cells_visited[1][i] / cells_visited[0][i]);
+            let [cells, block_cells] = [0, 1].map(|kind| cells_visited[1][kind] / cells_visited[0][kind]);
 
             // The times and the number of passes in each frame of a variant, and the time a pixel in each frame of a
             // size.
-            let (mut need, mut growth) = ([vec![], vec![], vec![]], [vec![], vec![]]);
+            let (mut need_frames, mut growth_frames) = ([vec![], vec![], vec![]], [vec![], vec![]]);
             for frame in 0..=FRAMES {
                 for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
                     let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
                     let report = run_effect(&mut stage.context, &effect, gbuffer, &camera);
                     // The first frame of each variant compiles shaders.
                     if frame > 0 {
-                        need[i].push((effect_ms(&report), report.recorded.len()));
+                        need_frames[i].push((effect_ms(&report), report.recorded.len()));
                     }
                 }
                 for (i, shot) in shots.iter().enumerate() {
                     let (report, _) = stage.run(shot, Mode::Timed).expect("a frame");
                     if frame > 0 {
-                        growth[i].push(effect_ms(&report)[0] / GROWTH[i].map(f64::from).iter().product::<f64>());
+                        growth_frames[i].push(effect_ms(&report)[0] / GROWTH[i].map(f64::from).iter().product::<f64>());
                     }
                 }
             }
-            let total = |i: usize| median_of(need[i].iter().map(|(t, _)| t[0]));
-            let (full, tenth) = (total(0), total(1));
-            let [pyramid, fixed] = [1, 2].map(|part| median_of(need[1].iter().map(|(t, _)| t[part])));
-            let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
-            let growth = median_of(growth[1].iter().copied()) / median_of(growth[0].iter().copied());
-            let beyond = (tenth - pyramid) / full;
-            let row = [full, tenth, pyramid, passes as f64, beyond, fixed / full, covered, growth, mean, in_step];
-            println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
+            // The median milliseconds of a variant, for a part of `effect_ms`: 0 for the whole effect.
+            let median_ms = |variant: usize, part: usize| {
+                median_of(need_frames[variant].iter().map(|(times_ms, _)| times_ms[part]))
+            };
+            let (full, tenth) = (median_ms(0, 0), median_ms(1, 0));
+            let [pyramid, fixed] = [1, 2].map(|part| median_ms(1, part));
+            let passes = need_frames[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
+            let [small, large] = growth_frames.map(median_of);
+            let growth = large / small;
+            let need = (tenth - pyramid) / full;
+            let row = [full, tenth, pyramid, passes as f64, need, fixed / full, covered, growth, cells, block_cells];
+            println!("{roughness},{},{}", view.name, row.map(|value| format!("{value:.3}")).join(","));
             rows.push(row);
         }
         let medians: Vec<_> =
-            (0..rows[0].len()).map(|i| format!("{:.3}", median_of(rows.iter().map(|r| r[i])))).collect();
+            (0..rows[0].len()).map(|column| format!("{:.3}", median_of(rows.iter().map(|row| row[column])))).collect();
         println!("{roughness},median,{}", medians.join(","));
     }
 }

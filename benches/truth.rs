@@ -34,56 +34,59 @@ use ssct_truth::reference::world_hits::world_hits;
 const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 
 /// The place of a hit in pixels; `None` for a miss.
-type Place = Option<[f64; 2]>;
+type HitPlace = Option<[f64; 2]>;
 
-/// Traces a view, and prints a row for each version of the oracle.
+/// Traces the mirror rays of a view by the thesis's method and by the oracle, and compares where they end with where
+/// they end in the world. Prints a row for each version of the oracle.
 fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
     let setup = Setup::on_screen(size);
     let shot = Shot::new(stage, &thesis::INFO, &setup, Wants::HITS, view.camera(scene, size), materials.clone())
         .expect("a shot");
     let (_, _, output) = stage.output(&shot).expect("a frame");
-    let hits = output.traced.hits.expect("hits of a trace that is a pass of its own");
-    let hits = gbuffer::hit_positions(&stage.context.read(hits.0.all()).expect("the hits"));
+    let thesis_hits = output.traced.hits.expect("hits of a trace that is a pass of its own");
+    let thesis_hits = gbuffer::hit_positions(&stage.context.read(thesis_hits.0.all()).expect("the hits"));
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
 
-    // Where the rays end in the world, if the screen shows the place.
+    // The places on the screen where the rays end in the world, if the screen shows them.
     let world = World::new(scene, &materials);
-    let ends: Vec<Place> = world_hits(&world, &data, &FirstHits::shown(&world, &data))
+    let true_ends: Vec<HitPlace> = world_hits(&world, &data, &FirstHits::shown(&world, &data))
         .iter()
         .map(|hit| hit.visible_at().map(|p| p.to_array()))
         .collect();
     let (rays, oracle) = (RaySetup::new(&data), Oracle::new(&data));
     let reflects = data.reflecting();
-    let pixels = (0..data.depth.len()).into_par_iter().map(|i| (i as u32 % data.width, i as u32 / data.width));
+    let pixels =
+        (0..data.depth.len()).into_par_iter().map(|index| (index as u32 % data.width, index as u32 / data.width));
     let direction = |x, y| rays.mirror(x, y).filter(|_| reflects[data.index(x, y)]);
     let segment = |x, y| direction(x, y).and_then(|direction| rays.segment(x, y, direction));
     let blocks_met = |(x, y)| segment(x, y).map_or(vec![], |segment| oracle.meetings(&segment));
     let meetings: Vec<Vec<Meeting>> = pixels.clone().map(blocks_met).collect();
-    let place = |meeting: &Meeting| [meeting.position.x, meeting.position.y];
+    let place_of = |meeting: &Meeting| [meeting.position.x, meeting.position.y];
     // The number of reflecting pixels for which a condition holds.
     let count =
         |holds: &dyn Fn(usize) -> bool| (0..reflects.len()).filter(|i| reflects[*i] && holds(*i)).count() as u64;
     let reflecting = count(&|_| true) as f64;
     let share = |number: u64| number as f64 / reflecting;
-    let wrong = |hits: &[Place]| 1.0 - agreement(&reflects, &ends, hits).fraction().expect("pixels that reflect");
-    let meets = |i: usize, end| meetings[i].iter().any(|m| is_same_place(place(m), end));
-    let least = count(&|i| ends[i].is_some_and(|end| !meets(i, end)));
+    let wrong =
+        |hits: &[HitPlace]| 1.0 - agreement(&reflects, &true_ends, hits).fraction().expect("pixels that reflect");
+    let meets = |i: usize, end| meetings[i].iter().any(|m| is_same_place(place_of(m), end));
+    let unavoidable = count(&|i| true_ends[i].is_some_and(|end| !meets(i, end)));
     for version in [OracleVersion::V1, OracleVersion::V2] {
         let oracle = oracle.clone().of_version(version);
-        let hit = |(x, y)| segment(x, y).and_then(|segment| oracle.trace_segment(&segment).position_px());
-        let places: Vec<Place> = pixels.clone().map(hit).collect();
-        let counts = agreement(&reflects, &ends, &places);
-        let crosses = |i: usize, hit| meetings[i].iter().any(|m| m.crosses_front && place(m) == hit);
-        let front = count(&|i| ends[i].is_none() && places[i].is_some_and(|hit| crosses(i, hit)));
+        let oracle_hit = |(x, y)| segment(x, y).and_then(|segment| oracle.trace_segment(&segment).position_px());
+        let oracle_hits: Vec<HitPlace> = pixels.clone().map(oracle_hit).collect();
+        let counts = agreement(&reflects, &true_ends, &oracle_hits);
+        let crosses = |i: usize, hit| meetings[i].iter().any(|m| m.crosses_front && place_of(m) == hit);
+        let false_front = count(&|i| true_ends[i].is_none() && oracle_hits[i].is_some_and(|hit| crosses(i, hit)));
         let columns = [
-            wrong(&hits),
-            wrong(&places),
-            share(front),
-            share(counts.false_hits - front),
+            wrong(&thesis_hits),
+            wrong(&oracle_hits),
+            share(false_front),
+            share(counts.false_hits - false_front),
             share(counts.displaced),
             share(counts.missed),
-            share(least),
+            share(unavoidable),
         ];
         println!(
             "{},{},{}x{},{},{}",
@@ -97,6 +100,7 @@ fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     }
 }
 
+/// Prints the rows of the scenes that the command line names, or of the rooms and the atrium.
 fn main() {
     let mut names: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     if names.is_empty() {

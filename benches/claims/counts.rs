@@ -97,24 +97,24 @@ struct CountShot<'a> {
 }
 
 impl CountShot<'_> {
-    /// Draws the image on a view; returns the reflection and the hits.
+    /// Draws a view with the edited shaders; returns the images of the reflection and of the hits.
     fn draw(&self, bench: &Bench, stage: &mut Stage, (scene, view): (&Scene, &View)) -> (Pixels, Pixels) {
         let setup = (self.change)(&Setup::new(self.size));
         let materials = self.globals.materials(scene, view);
         let camera = view.camera(scene, self.size);
         bench.shaders.run_with(&bench.gpu, self.edits, || {
             let shot = Shot::new(stage, method(self.method), &setup, Wants::HITS, camera, materials).expect("a shot");
-            let made = image::render(stage, &shot, true).expect("an image");
-            let all = made.intermediates.expect("intermediates");
-            let hits = all.into_iter().find(|(name, ..)| name == "hits").expect("hits").2;
-            (made.reflection, hits)
+            let rendered = image::render(stage, &shot, true).expect("an image");
+            let intermediates = rendered.intermediates.expect("intermediates");
+            let hits = intermediates.into_iter().find(|(name, ..)| name == "hits").expect("hits").2;
+            (rendered.reflection, hits)
         })
     }
 }
 
-/// Returns the mean of a channel over the texels whose third channel is 1, which marks counts.
+/// Returns the mean of a channel over the texels with counts, whose third channel is 1.
 fn mean_count(image: &Pixels, channel: usize) -> f64 {
-    mean(image.texels().filter(|t| t[2] == 1.0).map(|t| f64::from(t[channel])))
+    mean(image.texels().filter(|texel| texel[2] == 1.0).map(|texel| f64::from(texel[channel])))
 }
 
 /// Prints a row of the table.
@@ -130,8 +130,8 @@ fn print_cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
         for (suffix, change) in limits {
             let counting =
                 CountShot { method: "ssct", edits: CONE_COUNTS, change, size: SIZE, globals: globals(roughness, 0.1) };
-            let (image, _) = counting.draw(bench, stage, subject);
-            let (samples, levels) = (mean_count(&image, 0), mean_count(&image, 1));
+            let (counts, _) = counting.draw(bench, stage, subject);
+            let (samples, levels) = (mean_count(&counts, 0), mean_count(&counts, 1));
             let variant = roughness.to_string();
             print_row(&format!("cone-samples{suffix}"), "ssct", subject, SIZE[1], &variant, samples);
             print_row(&format!("cone-levels{suffix}"), "ssct", subject, SIZE[1], &variant, levels / samples);
@@ -139,19 +139,20 @@ fn print_cones(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     }
 }
 
-/// Prints how many rays run towards the camera, and which shares of both directions hit.
+/// Prints the share of the rays that run towards the camera, and the shares of hits among these and among the others.
+/// The path code of a pixel tells the direction of its ray: rays towards the camera are the ones that march linearly.
 fn print_directions(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
     let counting = CountShot { method: "ssct", edits: &[], change: SAME, size: SIZE, globals: globals(0.0, 0.1) };
     let (_, hits) = counting.draw(bench, stage, subject);
-    let codes: Vec<_> = hits.texels().filter_map(|t| PathCode::from_channel(t[3])).collect();
-    let count = |wanted: &[PathCode]| codes.iter().filter(|c| wanted.contains(c)).count() as f64;
+    let codes: Vec<_> = hits.texels().filter_map(|texel| PathCode::from_channel(texel[3])).collect();
+    let count = |wanted: &[PathCode]| codes.iter().filter(|code| wanted.contains(code)).count() as f64;
     let towards = count(&[PathCode::Linear, PathCode::LinearMiss]);
     let away = count(&[PathCode::HiZ, PathCode::Miss, PathCode::Exhausted]);
-    let share = |part: f64, all: f64| part / all.max(1.0);
+    let share = |part: f64, whole: f64| part / whole.max(1.0);
     print_row("towards-camera", "ssct", subject, SIZE[1], "0", share(towards, towards + away));
     print_row("towards-camera-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::Linear]), towards));
-    let marched = hits.texels().filter(|t| PathCode::from_channel(t[3]) == Some(PathCode::Linear));
-    let off_screen = marched.filter(|t| t[..2].iter().any(|c| !(0.0..=1.0).contains(c))).count() as f64;
+    let linear_hits = hits.texels().filter(|texel| PathCode::from_channel(texel[3]) == Some(PathCode::Linear));
+    let off_screen = linear_hits.filter(|hit| hit[..2].iter().any(|uv| !(0.0..=1.0).contains(uv))).count() as f64;
     print_row("search-off-screen", "ssct", subject, SIZE[1], "0", share(off_screen, count(&[PathCode::Linear])));
     print_row("away-hits", "ssct", subject, SIZE[1], "0", share(count(&[PathCode::HiZ, PathCode::Exhausted]), away));
 }
@@ -182,32 +183,33 @@ fn print_uniform_steps(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View
             globals: globals(roughness, 0.1),
         };
         let (_, hits) = counting.draw(bench, stage, subject);
-        let traced = |t: &&[f32]| PathCode::from_channel(t[3]).is_some_and(|c| c != PathCode::None);
-        let steps = mean(hits.texels().filter(traced).map(|t| f64::from(t[0])));
+        // The edited shaders write the number of steps in place of the hit, and a path code beside it.
+        let has_ray = |texel: &&[f32]| PathCode::from_channel(texel[3]).is_some_and(|code| code != PathCode::None);
+        let steps = mean(hits.texels().filter(has_ray).map(|texel| f64::from(texel[0])));
         print_row("ray-steps", "sslr", subject, SIZE[1], &roughness.to_string(), steps);
     }
 }
 
 /// Prints the mean steps of Schmidt's marches, by pixels a step and by the height of the image.
 fn print_marches(bench: &Bench, stage: &mut Stage, subject: (&Scene, &View)) {
-    let steps: [(&str, Change); 4] = [
+    let pixel_steps: [(&str, Change); 4] = [
         ("1", SAME),
         ("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
         ("10", |s| s.with(|p: &mut SsrParams| p.pixel_step = 10)),
         ("20", |s| s.with(|p: &mut SsrParams| p.pixel_step = 20)),
     ];
-    let mut count = |method, variant, change, height: u32| {
+    let mut print_mean_steps = |method, variant, change, height: u32| {
         let size = [height * 16 / 9, height];
         let counting = CountShot { method, edits: MARCH_COUNTS, change, size, globals: globals(0.0, 0.0) };
         let (image, _) = counting.draw(bench, stage, subject);
         print_row("ray-steps", method, subject, height, variant, mean_count(&image, 0));
     };
-    steps.into_iter().for_each(|(variant, change)| count("ssr", variant, change, 180));
+    pixel_steps.into_iter().for_each(|(variant, change)| print_mean_steps("ssr", variant, change, 180));
     for height in [360, 720] {
-        count("ssr", "1", SAME, height);
+        print_mean_steps("ssr", "1", SAME, height);
     }
     for height in [180, 360, 720] {
-        count("ssr-fast", "1", SAME, height);
+        print_mean_steps("ssr-fast", "1", SAME, height);
     }
 }
 

@@ -101,37 +101,37 @@ struct Claim {
     place: Place,
     /// The roughness values at which the claim is measured.
     roughness: &'static [f32],
-    /// The parameters of both sides.
-    both: Change,
-    /// The change of parameters on the changed side, made after `both`.
+    /// The change of parameters on both sides.
+    base: Change,
+    /// The change of parameters on the changed side, made after `base`.
     change: Change,
     /// The changes of shaders on the changed side.
     edits: Edits,
 }
 
-/// Makes a claim about lines of shaders, on the thesis's views.
+/// Makes a claim that edits lines of a method's shaders, on the thesis's views.
 const fn edited(name: &'static str, method: &'static str, roughness: &'static [f32], edits: Edits) -> Claim {
-    Claim { name, method, place: Place::Thesis, roughness, both: SAME, change: SAME, edits }
+    Claim { name, method, place: Place::Thesis, roughness, base: SAME, change: SAME, edits }
 }
 
-/// Makes a claim about lines of the shader of `dda`; `both` sets parameters of both sides.
-const fn dda(name: &'static str, both: Change, edits: Edits) -> Claim {
-    Claim { name, method: "dda", place: Place::Dda, roughness: &[0.0], both, change: SAME, edits }
+/// Makes a claim about lines of the shader of `dda`; `base` sets parameters of both sides.
+const fn dda(name: &'static str, base: Change, edits: Edits) -> Claim {
+    Claim { name, method: "dda", place: Place::Dda, roughness: &[0.0], base, change: SAME, edits }
 }
 
 /// Makes a claim about parameters of `billboard`.
 const fn billboards(name: &'static str, change: Change) -> Claim {
-    Claim { name, method: "billboard", place: Place::Billboards, roughness: &[0.0], both: SAME, change, edits: &[] }
+    Claim { name, method: "billboard", place: Place::Billboards, roughness: &[0.0], base: SAME, change, edits: &[] }
 }
 
 /// Makes a claim about the fallback behind `ssct`.
 const fn behind(name: &'static str, change: Change) -> Claim {
-    Claim { name, method: "ssct", place: Place::Behind, roughness: &[0.0, 0.1], both: SAME, change, edits: &[] }
+    Claim { name, method: "ssct", place: Place::Behind, roughness: &[0.0, 0.1], base: SAME, change, edits: &[] }
 }
 
 /// Makes a claim about how a method shows the bodies of cars.
 const fn car(name: &'static str, method: &'static str, edits: Edits) -> Claim {
-    Claim { name, method, place: Place::Car, roughness: &[0.0], both: SAME, change: SAME, edits }
+    Claim { name, method, place: Place::Car, roughness: &[0.0], base: SAME, change: SAME, edits }
 }
 
 // Shaders, lines of them that claims change, and changes that several claims make.
@@ -266,7 +266,7 @@ const CLAIMS: &[Claim] = &[
     edited("linear-hi-z", "ssct", &[0.0, 0.1], LINEAR_HI_Z),
     edited("linear-hi-z-hzct", "hzct", &[0.0], LINEAR_HI_Z),
     Claim {
-        both: |s| s.with(|p: &mut MarchParams| p.search_tolerance = 2e-4),
+        base: |s| s.with(|p: &mut MarchParams| p.search_tolerance = 2e-4),
         ..edited("linear-depth", "linear", &[0.0], LINEAR_DEPTH)
     },
     edited("ssr-post-projected", "ssr", &[0.0], POST_PROJECTED),
@@ -357,9 +357,10 @@ impl Subject<'_> {
         let wants = if method.is_screen_space() { Wants::HITS } else { Wants::REFLECTION };
         let shot = Shot::new(stage, method, setup, wants, camera, materials).expect("a shot");
         let image = image::render(stage, &shot, true).expect("an image");
-        let all = image.intermediates.unwrap_or_default();
-        let hits = all.iter().find(|(name, ..)| name == "hits").map(|(.., hits)| gbuffer::hit_positions(hits));
-        let color = image.reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();
+        let intermediates = image.intermediates.unwrap_or_default();
+        let hits =
+            intermediates.iter().find(|(name, ..)| name == "hits").map(|(.., hits)| gbuffer::hit_positions(hits));
+        let color = image.reflection.texels().map(|texel| [texel[0], texel[1], texel[2]]).collect();
         (MethodImage { display: display(&image.reflection), color, hits }, shot)
     }
 
@@ -371,8 +372,8 @@ impl Subject<'_> {
         if [Place::Billboards, Place::Behind, Place::Car].contains(&self.place) {
             let materials = self.place.materials(self.scene, self.view, self.roughness);
             let world = World::new(self.scene, &materials);
-            let first = FirstHits::shown(&world, &data);
-            let reference = WorldReference::new(&world, &first, &data.camera, 1);
+            let first_hits = FirstHits::shown(&world, &data);
+            let reference = WorldReference::new(&world, &first_hits, &data.camera, 1);
             let mut state = reference.start();
             reference.add(&mut state, RAYS);
             let color = reference.image(&state).reflection.iter().map(|c| c.to_array()).collect();
@@ -381,23 +382,25 @@ impl Subject<'_> {
         let sampling = Sampling { samples: RAYS, seed: 1, oracle: OracleVersion::default(), bounces: 1 };
         let image = ScreenReference::render(&data, &mask, sampling);
         let hierarchy = Hierarchy::new(&data);
-        let hit = |i: usize| {
+        let oracle_hit = |i: usize| {
             let (x, y) = (i as u32 % data.width, i as u32 / data.width);
             mask[i].then(|| hierarchy.trace(x, y).position()).flatten().map(|p| [p.x, p.y])
         };
-        let hits = (self.roughness == 0.0).then(|| (0..mask.len()).map(hit).collect());
+        let hits = (self.roughness == 0.0).then(|| (0..mask.len()).map(oracle_hit).collect());
         Truth { color: image.color.iter().map(|c| c.to_array()).collect(), hits, mask }
     }
 }
 
 /// Returns the shares of right and of false hits as texts; empty where there are no hits to compare.
 fn hit_shares(truth: &Truth, image: &MethodImage) -> [String; 2] {
-    let Some((oracle, hits)) = truth.hits.as_ref().zip(image.hits.as_ref()) else { return Default::default() };
-    let agreement = HitAgreement::new(&truth.mask, hits, oracle);
+    let both_hits = truth.hits.as_ref().zip(image.hits.as_ref());
+    let Some((oracle_hits, method_hits)) = both_hits else { return Default::default() };
+    let agreement = HitAgreement::new(&truth.mask, method_hits, oracle_hits);
     [agreement.hit_agreement, agreement.false_hits].map(|share| share.map_or_else(String::new, |s| format!("{s:.6}")))
 }
 
-/// Unchanged images of methods, and truths, which several claims need. Their keys name everything on which they depend.
+/// The unchanged images of methods, and the truths. Several claims need them, and their keys name all that they depend
+/// on.
 #[derive(Default)]
 struct Cache {
     images: HashMap<String, MethodImage>,
@@ -407,20 +410,21 @@ struct Cache {
 /// Measures a claim on a view, and prints its row.
 fn judge(bench: &Bench, stage: &mut Stage, claim: &Claim, subject: &Subject, cache: &mut Cache) {
     let info = method(claim.method);
-    let both = (claim.both)(&Setup::new(claim.place.size()));
+    let unchanged_setup = (claim.base)(&Setup::new(claim.place.size()));
     let truth_key = format!("{} {} {:?}", subject.view.name, subject.roughness, claim.place);
-    let key = format!("{} {truth_key} {:?}", claim.method, both.recorded(Some(info)));
-    if !cache.images.contains_key(&key) || !cache.truths.contains_key(&truth_key) {
-        let (image, shot) = subject.draw(stage, info, &both);
-        cache.images.insert(key.clone(), image);
+    let image_key = format!("{} {truth_key} {:?}", claim.method, unchanged_setup.recorded(Some(info)));
+    if !cache.images.contains_key(&image_key) || !cache.truths.contains_key(&truth_key) {
+        let (image, shot) = subject.draw(stage, info, &unchanged_setup);
+        cache.images.insert(image_key.clone(), image);
         cache.truths.entry(truth_key.clone()).or_insert_with(|| subject.compute_truth(stage, &shot));
     }
-    let (changed, _) =
-        bench.shaders.run_with(&bench.gpu, claim.edits, || subject.draw(stage, info, &(claim.change)(&both)));
-    let (unchanged, truth) = (&cache.images[&key], &cache.truths[&truth_key]);
+    let changed_setup = (claim.change)(&unchanged_setup);
+    let (changed, _) = bench.shaders.run_with(&bench.gpu, claim.edits, || subject.draw(stage, info, &changed_setup));
+    let (unchanged, truth) = (&cache.images[&image_key], &cache.truths[&truth_key]);
     let (share, rmse) = difference(&unchanged.display, &changed.display);
-    let [error, error_changed] = [unchanged, &changed].map(|m| masked_rmse(&truth.color, &m.color, &truth.mask));
-    let [[right, wrong], [right_changed, wrong_changed]] = [unchanged, &changed].map(|m| hit_shares(truth, m));
+    let images = [unchanged, &changed];
+    let [error, error_changed] = images.map(|image| masked_rmse(&truth.color, &image.color, &truth.mask));
+    let [[right, wrong], [right_changed, wrong_changed]] = images.map(|image| hit_shares(truth, image));
     println!(
         "{},{},{},{},{},{share:.6},{rmse:.6},{error:.6},{error_changed:.6},{right},{right_changed},{wrong},{wrong_changed}",
         claim.name, claim.method, subject.scene.name, subject.view.name, subject.roughness

@@ -32,7 +32,7 @@ use ssct_scenes::{Scene, library};
 /// A change of parameters.
 type Change = fn(&Setup) -> Setup;
 
-/// Nothing is changed.
+/// The change that leaves all parameters as they are.
 const SAME: Change = Setup::clone;
 
 /// The views that show the thesis's figures: all of the rooms and `hall` of the atrium.
@@ -80,12 +80,13 @@ fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
+/// Opens a device, and measures the claims of the kind that the first argument names.
 fn main() {
-    let words: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let kind = words.first().map(String::as_str);
+    let arguments: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let kind = arguments.first().map(String::as_str);
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
-    let wanted = words.iter().skip(1).cloned().collect();
+    let wanted = arguments.iter().skip(1).cloned().collect();
     let bench = Bench { gpu, shaders: Shaders::new(), wanted };
     match kind {
         Some("counts") => counts::run(&bench),

@@ -44,17 +44,17 @@ const VARIANTS: [(&str, Edits); 3] = [("one", NEAREST_MAP), ("pixels", &[]), ("c
 fn walks(scene: &Scene) -> Vec<(String, Vec<View>)> {
     let places: Vec<Vec3> = scene.probes.iter().map(|probe| probe.position).collect();
     let ahead = (places[places.len() - 1] - places[0]).normalize();
-    let view = |eye| View { eye, look_at: eye + ahead + Vec3::NEG_Y * 0.2, ..scene.views[0].clone() };
+    let view_from = |eye| View { eye, look_at: eye + ahead + Vec3::NEG_Y * 0.2, ..scene.views[0].clone() };
     let walk_past_middle = |a: usize, b: usize| {
         let middle = 0.5 * (places[a] + places[b]);
         // The frames stand beside the middle and never on it.
-        let steps = (-HALF_WALK..HALF_WALK).map(|n| view(middle + (n as f32 + 0.5) * STEP_M * ahead));
-        (format!("{a}-{b}"), steps.collect())
+        let views = (-HALF_WALK..HALF_WALK).map(|step| view_from(middle + (step as f32 + 0.5) * STEP_M * ahead));
+        (format!("{a}-{b}"), views.collect())
     };
     (0..places.len()).flat_map(|a| (a + 1..places.len()).map(move |b| walk_past_middle(a, b))).collect()
 }
 
-/// Returns display images of the reflections of the method `name` along a walk, with edits of its shaders.
+/// Draws the reflections of the method `name` along a walk, with edited shaders. Returns a display image for each view.
 fn draw(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, walk): (&Scene, &[View])) -> Vec<Rgb> {
     let materials = globals(ROUGHNESS, 0.1).materials(scene, &walk[0]);
     let camera = |view: &View| view.camera(scene, SIZE);
@@ -62,12 +62,12 @@ fn draw(bench: &Bench, stage: &mut Stage, name: &str, edits: Edits, (scene, walk
         let setup = Setup::new(SIZE);
         Shot::new(stage, method(name), &setup, Wants::REFLECTION, camera(&walk[0]), materials).expect("a shot")
     });
-    let image = |view: &View| {
+    let draw_view = |view: &View| {
         shot.camera = camera(view);
         let (.., output) = stage.output(&shot).expect("a frame");
         display(&gbuffer::reflection(&mut stage.context, &output).expect("a reflection"))
     };
-    walk.iter().map(image).collect()
+    walk.iter().map(draw_view).collect()
 }
 
 /// Measures walks through the scenes that have several maps in a row, and prints a row for each variant.
@@ -78,12 +78,12 @@ pub fn run(bench: &Bench) {
         let walks = walks(&scene);
         let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
         let mut print_row = |name: &str, variant: &str, edits: Edits| {
-            // The root mean square change between neighbouring frames, each with the name of its walk.
+            // The root mean square change between each two consecutive frames, with the name of their walk.
             let mut changes = Vec::new();
             for (walk_name, walk) in &walks {
                 let images = draw(bench, &mut stage, name, edits, (&scene, walk));
-                changes.extend(images.windows(2).map(|two| {
-                    let (_, rmse) = difference(&two[0], &two[1]);
+                changes.extend(images.windows(2).map(|pair| {
+                    let (_, rmse) = difference(&pair[0], &pair[1]);
                     (rmse, walk_name)
                 }));
             }

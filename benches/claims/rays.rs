@@ -98,12 +98,12 @@ fn traced_ms(report: &FrameReport) -> f64 {
 type Work = Option<(bool, u32)>;
 
 /// Counts the work of every pixel's ray, with a setup and the scene's materials.
-fn count_work(bench: &Bench, stage: &mut Stage, place: &Place, setup: &Setup, materials: &[Material]) -> Vec<Work> {
+fn count_work(bench: &Bench, stage: &mut Stage, subject: &Subject, setup: &Setup, materials: &[Material]) -> Vec<Work> {
     let hits = bench.shaders.run_with(&bench.gpu, COUNTING, || {
-        let (info, camera) = (method(place.method), place.camera());
+        let (info, camera) = (method(subject.method), subject.camera());
         let shot = Shot::new(stage, info, setup, Wants::HITS, camera, materials.to_vec()).expect("a shot");
-        let made = image::render(stage, &shot, true).expect("an image");
-        made.intermediates.expect("intermediates").into_iter().find(|(name, ..)| name == "hits").expect("hits").2
+        let rendered = image::render(stage, &shot, true).expect("an image");
+        rendered.intermediates.expect("intermediates").into_iter().find(|(name, ..)| name == "hits").expect("hits").2
     });
     let ray_work = |texel: &[f32]| {
         let code = PathCode::from_channel(texel[3]).filter(|code| *code != PathCode::None)?;
@@ -125,19 +125,19 @@ fn pixels_in_groups() -> Vec<Vec<usize>> {
         };
         rows.flat_map(boxes_in_row).collect::<Vec<_>>()
     };
-    let pixels = |tile: [u32; 4]| {
+    let pixels_of_tile = |tile: [u32; 4]| {
         let groups = boxes(tile, GROUP).into_iter().flat_map(|group| boxes(group, [1, 1]));
         groups.map(|[x, y, ..]| (y * width + x) as usize).collect()
     };
-    boxes([0, 0, width, height], [TILE; 2]).into_iter().map(pixels).collect()
+    boxes([0, 0, width, height], [TILE; 2]).into_iter().map(pixels_of_tile).collect()
 }
 
-/// A random generator with a fixed seed, so that orders are equal in every run.
+/// A random generator, whose field is its state. Its seed is fixed, so that orders are equal in every run.
 struct Shuffle(u64);
 
 impl Shuffle {
     /// Returns a number below `end`, by a linear congruential generator.
-    fn below(&mut self, end: usize) -> usize {
+    fn random_below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) % end as u64) as usize
     }
@@ -145,7 +145,7 @@ impl Shuffle {
     /// Shuffles items (Fisher and Yates).
     fn shuffle_items<T>(&mut self, items: &mut [T]) {
         for end in (1..items.len()).rev() {
-            items.swap(end, self.below(end + 1));
+            items.swap(end, self.random_below(end + 1));
         }
     }
 }
@@ -160,8 +160,8 @@ fn rays_in_order(name: &str, work: &[Work]) -> Vec<usize> {
             shuffle.shuffle_items(tile);
         }
         match name {
-            "kinds" | "mixed-kinds" => tile.sort_by_key(|&i| work[i].map(|(towards, _)| !towards)),
-            "steps" => tile.sort_by_key(|&i| work[i].map(|(towards, steps)| (!towards, steps))),
+            "kinds" | "mixed-kinds" => tile.sort_by_key(|&i| work[i].map(|(towards_camera, _)| !towards_camera)),
+            "steps" => tile.sort_by_key(|&i| work[i].map(|(towards_camera, steps)| (!towards_camera, steps))),
             _ => (),
         }
     }
@@ -171,33 +171,33 @@ fn rays_in_order(name: &str, work: &[Work]) -> Vec<usize> {
         shuffle.shuffle_items(&mut groups);
         rays = groups.concat();
     }
-    let mut followed = vec![0; work.len()];
-    for (place, ray) in tiles.into_iter().flatten().zip(rays) {
-        followed[place] = ray;
+    let mut ray_of_pixel = vec![0; work.len()];
+    for (pixel, ray) in tiles.into_iter().flatten().zip(rays) {
+        ray_of_pixel[pixel] = ray;
     }
-    followed
+    ray_of_pixel
 }
 
 /// Returns a G-buffer whose material says which pixel's ray each pixel follows, if any, as [`READ_OTHER_PIXEL`] reads it.
-fn follow_rays(data: &GBufferData, followed: impl Iterator<Item = Option<usize>>) -> GBufferData {
+fn follow_rays(data: &GBufferData, ray_of_pixel: impl Iterator<Item = Option<usize>>) -> GBufferData {
     let mut changed = data.clone();
     let materials = changed.reflectivity.iter_mut().zip(&mut changed.roughness);
-    for ((reflectivity, roughness), ray) in materials.zip(followed) {
-        let place = ray.map(|ray| [ray as u32 % data.width, ray as u32 / data.width + 1]);
-        [*roughness, *reflectivity] = place.unwrap_or([0; 2]).map(|n| n as f32);
+    for ((reflectivity, roughness), ray) in materials.zip(ray_of_pixel) {
+        let column_and_row = ray.map(|ray| [ray as u32 % data.width, ray as u32 / data.width + 1]);
+        [*roughness, *reflectivity] = column_and_row.unwrap_or([0; 2]).map(|number| number as f32);
     }
     changed
 }
 
 /// A method at a roughness on a view, on which something is measured.
-struct Place<'a> {
+struct Subject<'a> {
     scene: &'a Scene,
     view: &'a View,
     roughness: f32,
     method: &'a str,
 }
 
-impl Place<'_> {
+impl Subject<'_> {
     /// Prints a row of the table.
     fn print_row(&self, claim: &str, variant: &str, values: [f64; 3]) {
         let [ratio, least, greatest] = values;
@@ -215,19 +215,19 @@ impl Place<'_> {
 }
 
 /// Times the tracing pass on several G-buffers in turn. Returns for each turn the milliseconds on each G-buffer.
-fn time_turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferData]) -> Vec<Vec<f64>> {
-    let edits = if place.roughness == 0.0 { MIRRORS } else { ROUGH };
+fn time_turns(bench: &Bench, stage: &mut Stage, subject: &Subject, gbuffers: &[GBufferData]) -> Vec<Vec<f64>> {
+    let edits = if subject.roughness == 0.0 { MIRRORS } else { ROUGH };
     let setup = with_tracing_pass(&Setup::new(SIZE));
     let images: Vec<_> =
-        parts.iter().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload")).collect();
+        gbuffers.iter().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload")).collect();
     bench.shaders.run_with(&bench.gpu, edits, || {
-        let info = method(place.method);
+        let info = method(subject.method);
         let effect = Effect::new(&mut stage.context, info, &setup, Wants::IMAGE, None).expect("the effect");
         let mut turn = || {
             let tracing_ms = |images: &GBufferImages| {
                 let mut frame = stage.context.begin(Mode::Timed).expect("a frame");
                 frame.begin_effect();
-                effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &place.camera())).expect("the effect");
+                effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &subject.camera())).expect("the effect");
                 traced_ms(&frame.finish().expect("the frame's end"))
             };
             images.iter().map(tracing_ms).collect::<Vec<_>>()
@@ -242,77 +242,80 @@ fn time_turns(bench: &Bench, stage: &mut Stage, place: &Place, parts: &[GBufferD
 fn share_in_step(work: &[Work], [width, height]: [usize; 2]) -> f64 {
     let [columns, rows] = SIZE.map(|side| side as usize);
     // The steps of all rays, and the steps for which their groups run, counted for each pixel of a group.
-    let (mut sum, mut most) = (0.0, 0.0);
+    let (mut ray_steps, mut group_steps) = (0.0, 0.0);
     for (top, left) in (0..rows / height).flat_map(|y| (0..columns / width).map(move |x| (y * height, x * width))) {
         let rays = (0..width * height).filter_map(|i| work[(top + i / width) * columns + left + i % width]);
+        // The steps of the longest ray away from the camera, and of the longest one towards it.
         let mut longest = [0; 2];
-        for (towards, steps) in rays {
-            sum += f64::from(steps);
-            longest[usize::from(towards)] = steps.max(longest[usize::from(towards)]);
+        for (towards_camera, steps) in rays {
+            ray_steps += f64::from(steps);
+            longest[usize::from(towards_camera)] = steps.max(longest[usize::from(towards_camera)]);
         }
-        most += f64::from(longest[0] + longest[1]) * (width * height) as f64;
+        group_steps += f64::from(longest[0] + longest[1]) * (width * height) as f64;
     }
-    sum / most
+    ray_steps / group_steps
 }
 
 /// Counts and times rays in other orders, and one in eight rays alone.
-fn measure_orders(bench: &Bench, stage: &mut Stage, place: &Place) {
-    let (setup, materials) = (Setup::new(SIZE), globals(place.roughness, 0.1).materials(place.scene, place.view));
-    let work = count_work(bench, stage, place, &setup, &materials);
-    let shot = Shot::new(stage, method(place.method), &setup, Wants::IMAGE, place.camera(), materials).expect("a shot");
+fn measure_orders(bench: &Bench, stage: &mut Stage, subject: &Subject) {
+    let (setup, materials) = (Setup::new(SIZE), globals(subject.roughness, 0.1).materials(subject.scene, subject.view));
+    let work = count_work(bench, stage, subject, &setup, &materials);
+    let shot =
+        Shot::new(stage, method(subject.method), &setup, Wants::IMAGE, subject.camera(), materials).expect("a shot");
     stage.run(&shot, Mode::Plain).expect("a frame");
     let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
     let if_it_has_a_ray = |i: usize| work[i].map(|_| i);
     if bench.wants("in-step") {
         for (variant, group) in [("8", [4, 2]), ("32", [8, 4])] {
-            place.print_row("in-step", variant, [share_in_step(&work, group); 3]);
+            subject.print_row("in-step", variant, [share_in_step(&work, group); 3]);
         }
     }
     if bench.wants("order") {
-        let parts = ORDERS.map(|name| follow_rays(&data, rays_in_order(name, &work).into_iter().map(if_it_has_a_ray)));
-        let turns = time_turns(bench, stage, place, &parts);
-        for (n, name) in ORDERS.into_iter().enumerate() {
-            place.print_row("order", name, spread(turns.iter().map(|t| t[n] / t[0])));
+        let gbuffers =
+            ORDERS.map(|name| follow_rays(&data, rays_in_order(name, &work).into_iter().map(if_it_has_a_ray)));
+        let turns = time_turns(bench, stage, subject, &gbuffers);
+        for (index, name) in ORDERS.into_iter().enumerate() {
+            subject.print_row("order", name, spread(turns.iter().map(|times| times[index] / times[0])));
         }
     }
     if bench.wants("alone") {
         let place_in_group = |i: usize| [i % SIZE[0] as usize % 4, i / SIZE[0] as usize % 2];
-        // The rays of one pixel of each group, whose number in the group is `lane`.
+        // Keeps only the rays of one pixel of each group, whose number in the group is `lane`, 0 to 7.
         let rays_of_lane = |lane: usize| {
             let is_in_lane = move |i: usize| place_in_group(i) == [lane % 4, lane / 4];
             follow_rays(&data, (0..work.len()).map(|i| if_it_has_a_ray(i).filter(|i| is_in_lane(*i))))
         };
         let all_rays = follow_rays(&data, (0..work.len()).map(if_it_has_a_ray));
-        let parts: Vec<_> = [all_rays].into_iter().chain((0..8).map(rays_of_lane)).collect();
-        let turns = time_turns(bench, stage, place, &parts);
-        place.print_row("alone", "1/8", spread(turns.iter().map(|t| super::mean(t[1..].iter().copied()) / t[0])));
+        let gbuffers: Vec<_> = [all_rays].into_iter().chain((0..8).map(rays_of_lane)).collect();
+        let turns = time_turns(bench, stage, subject, &gbuffers);
+        subject.print_row("alone", "1/8", spread(turns.iter().map(|ms| super::mean(ms[1..].iter().copied()) / ms[0])));
     }
 }
 
 /// Compares rays that are reflected at three kinds of normals: their numbers of steps, and the times of tracing them.
-fn measure_normals(bench: &Bench, stage: &mut Stage, place: &Place) {
+fn measure_normals(bench: &Bench, stage: &mut Stage, subject: &Subject) {
     let changes: [(&str, super::Change); 3] = [
         ("shading", SAME),
         ("geometric", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Geometric)),
         ("up", |s| s.with(|p: &mut EffectParams| p.trace_normals = TraceNormals::Up)),
     ];
     // Materials keep their own normal deviations, so that the normals of shading have all bumps.
-    let with_all_bumps = Globals { roughness: Some(place.roughness), ..Globals::default() };
-    let materials = with_all_bumps.materials(place.scene, place.view);
+    let with_all_bumps = Globals { roughness: Some(subject.roughness), ..Globals::default() };
+    let materials = with_all_bumps.materials(subject.scene, subject.view);
     let steps = changes.map(|(_, change)| {
-        let work = count_work(bench, stage, place, &change(&Setup::new(SIZE)), &materials);
+        let work = count_work(bench, stage, subject, &change(&Setup::new(SIZE)), &materials);
         super::mean(work.into_iter().flatten().map(|(_, steps)| f64::from(steps)))
     });
     let shots = changes.map(|(_, change)| {
-        let (info, setup) = (method(place.method), change(&with_tracing_pass(&Setup::new(SIZE))));
-        Shot::new(stage, info, &setup, Wants::IMAGE, place.camera(), materials.clone()).expect("a shot")
+        let (info, setup) = (method(subject.method), change(&with_tracing_pass(&Setup::new(SIZE))));
+        Shot::new(stage, info, &setup, Wants::IMAGE, subject.camera(), materials.clone()).expect("a shot")
     });
     let mut turn = || shots.each_ref().map(|shot| traced_ms(&stage.run(shot, Mode::Timed).expect("a frame").0));
     turn();
     let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
-    for (n, (name, _)) in changes.into_iter().enumerate() {
-        place.print_row("normals", name, spread(turns.iter().map(|t| t[n] / t[0])));
-        place.print_row(&format!("steps-{name}"), name, [steps[n] / steps[0]; 3]);
+    for (index, (name, _)) in changes.into_iter().enumerate() {
+        subject.print_row("normals", name, spread(turns.iter().map(|times| times[index] / times[0])));
+        subject.print_row(&format!("steps-{name}"), name, [steps[index] / steps[0]; 3]);
     }
 }
 
@@ -324,12 +327,12 @@ pub fn run(bench: &Bench) {
         let mut stage = Stage::new(&bench.gpu, &scene).expect("device memory");
         let view = scene.view(view).expect("a view");
         for (method, roughness) in METHODS {
-            let place = Place { scene: &scene, view, roughness, method };
+            let subject = Subject { scene: &scene, view, roughness, method };
             if ["order", "alone", "in-step"].iter().any(|claim| bench.wants(claim)) {
-                measure_orders(bench, &mut stage, &place);
+                measure_orders(bench, &mut stage, &subject);
             }
             if bench.wants("normals") {
-                measure_normals(bench, &mut stage, &place);
+                measure_normals(bench, &mut stage, &subject);
             }
         }
     }

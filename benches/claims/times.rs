@@ -52,9 +52,9 @@ const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 /// Milliseconds of the effect, and of the scene passes.
 type Times = [f64; 2];
 
-/// Returns the times of a frame.
+/// Sums the milliseconds of a frame's passes: those of the effect, which are marked as counted, and the others.
 fn times(report: &FrameReport) -> Times {
-    [true, false].map(|counted| report.passes.iter().filter(|p| p.counted == counted).map(|p| p.ms).sum())
+    [true, false].map(|counted| report.passes.iter().filter(|pass| pass.counted == counted).map(|pass| pass.ms).sum())
 }
 
 /// Returns the value at a share (0…1) of the way through the sorted values, without interpolation.
@@ -71,9 +71,9 @@ pub fn spread(values: impl IntoIterator<Item = f64>) -> [f64; 3] {
 
 /// Prints a row for each variant. Each of `turns` has the times of all variants, in their order.
 fn print_rows(claim: &str, method: &str, (scene, view): (&str, &str), variants: &[&str], turns: &[Vec<Times>]) {
-    for (n, variant) in variants.iter().enumerate() {
+    for (index, variant) in variants.iter().enumerate() {
         // The ratios to the first variant: part 0 of the times is the effect, and part 1 the scene passes.
-        let ratios = |part: usize| spread(turns.iter().map(|turn| turn[n][part] / turn[0][part]));
+        let ratios = |part: usize| spread(turns.iter().map(|turn| turn[index][part] / turn[0][part]));
         let ([ratio, least, greatest], [scene_ratio, ..]) = (ratios(0), ratios(1));
         let scene_ratio = if scene_ratio.is_finite() { format!("{scene_ratio:.3}") } else { String::new() };
         println!("{claim},{method},{scene},{view},{variant},{ratio:.3},{least:.3},{greatest:.3},{scene_ratio}");
@@ -108,9 +108,10 @@ fn take_turns(bench: &Bench, claim: &str, name: &str, subject: (&Scene, &View, &
         })
     };
     let shots: Vec<Shot> = variants.iter().map(|v| shot(v, stage)).collect();
-    let mut turn = || shots.iter().map(|s| times(&stage.run(s, Mode::Timed).expect("a frame").0)).collect::<Vec<_>>();
-    turn();
-    let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
+    let mut time_turn =
+        || shots.iter().map(|s| times(&stage.run(s, Mode::Timed).expect("a frame").0)).collect::<Vec<_>>();
+    time_turn();
+    let turns: Vec<_> = (0..TURNS).map(|_| time_turn()).collect();
     let names: Vec<_> = variants.iter().map(|v| v.name).collect();
     print_rows(claim, name, (&scene.name, &view.name), &names, &turns);
 }
@@ -132,13 +133,14 @@ fn time_views(bench: &Bench, claim: &str, places: &[(&str, &str)], variants: &[(
 
 /// Returns the vertex in the middle of two others.
 fn middle_vertex(a: &Vertex, b: &Vertex) -> Vertex {
-    let direction = |a: [f32; 3], b: [f32; 3]| (Vec3::from(a) + Vec3::from(b)).normalize_or(Vec3::from(a)).to_array();
+    let mean_direction =
+        |u: [f32; 3], v: [f32; 3]| (Vec3::from(u) + Vec3::from(v)).normalize_or(Vec3::from(u)).to_array();
     let tangent = |v: &Vertex| Vec4::from(v.tangent).truncate().to_array();
     Vertex {
         position: (0.5 * (Vec3::from(a.position) + Vec3::from(b.position))).to_array(),
-        normal: direction(a.normal, b.normal),
+        normal: mean_direction(a.normal, b.normal),
         uv: (0.5 * (Vec2::from(a.uv) + Vec2::from(b.uv))).to_array(),
-        tangent: Vec3::from(direction(tangent(a), tangent(b))).extend(a.tangent[3]).to_array(),
+        tangent: Vec3::from(mean_direction(tangent(a), tangent(b))).extend(a.tangent[3]).to_array(),
     }
 }
 
@@ -146,34 +148,35 @@ fn middle_vertex(a: &Vertex, b: &Vertex) -> Vertex {
 fn cut_into_four(mesh: &Mesh) -> Mesh {
     let mut cut = Mesh { vertices: Vec::new(), indices: Vec::new(), ..mesh.clone() };
     for corners in mesh.indices.chunks_exact(3) {
-        let [a, b, c] = [0, 1, 2].map(|n| mesh.vertices[corners[n] as usize]);
+        let [a, b, c] = [0, 1, 2].map(|corner| mesh.vertices[corners[corner] as usize]);
         let [ab, bc, ca] = [middle_vertex(&a, &b), middle_vertex(&b, &c), middle_vertex(&c, &a)];
-        let first = cut.vertices.len() as u32;
+        let first_vertex = cut.vertices.len() as u32;
+        // The corners have the numbers 0 to 2 here, and the middles of the edges 3 to 5.
         cut.vertices.extend([a, b, c, ab, bc, ca]);
-        cut.indices.extend([0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5].map(|i| first + i));
+        cut.indices.extend([0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5].map(|number| first_vertex + number));
     }
     cut
 }
 
 /// Times methods in turn on a scene and on a copy of it in which every triangle is cut into 16.
 fn time_triangles(bench: &Bench) {
-    let plain = scene("rooms");
-    let meshes = plain.meshes.iter().map(|m| cut_into_four(&cut_into_four(m))).collect();
-    let fine = Scene { meshes, ..plain.clone() };
-    let mut stages = [&plain, &fine].map(|scene| Stage::new(&bench.gpu, scene).expect("device memory"));
+    let coarse = scene("rooms");
+    let meshes = coarse.meshes.iter().map(|m| cut_into_four(&cut_into_four(m))).collect();
+    let fine = Scene { meshes, ..coarse.clone() };
+    let mut stages = [&coarse, &fine].map(|scene| Stage::new(&bench.gpu, scene).expect("device memory"));
     for name in ["sslr", "ssct", "hzct", "planar"] {
-        for view in plain.views.iter().filter(|v| ["corridor", "window-floor"].contains(&v.name.as_str())) {
-            let materials = globals(0.1, 0.1).materials(&plain, view);
+        for view in coarse.views.iter().filter(|v| ["corridor", "window-floor"].contains(&v.name.as_str())) {
+            let materials = globals(0.1, 0.1).materials(&coarse, view);
             let mut shots = stages.each_mut().map(|stage| {
-                let camera = view.camera(&plain, SIZE);
+                let camera = view.camera(&coarse, SIZE);
                 let shot = Shot::new(stage, method(name), &Setup::new(SIZE), Wants::IMAGE, camera, materials.clone());
                 (shot.expect("a shot"), stage)
             });
-            let mut turn =
+            let mut time_turn =
                 || shots.each_mut().map(|(s, stage)| times(&stage.run(s, Mode::Timed).expect("a frame").0)).to_vec();
-            turn();
-            let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
-            print_rows("triangles", name, (&plain.name, &view.name), &["1", "16"], &turns);
+            time_turn();
+            let turns: Vec<_> = (0..TURNS).map(|_| time_turn()).collect();
+            print_rows("triangles", name, (&coarse.name, &view.name), &["1", "16"], &turns);
         }
     }
 }
@@ -193,7 +196,7 @@ fn time_reflecting(bench: &Bench) {
             SHARES.map(|share| GBufferImages::upload(&mut stage.context, &masked(&data, share)).expect("an upload"));
         for name in ["ssr", "ssr-fast"] {
             let effect = Effect::new(&mut stage.context, method(name), &setup, Wants::IMAGE, None).expect("the effect");
-            let mut turn = || {
+            let mut time_turn = || {
                 let frame_times = |images: &GBufferImages| {
                     let mut frame = stage.context.begin(Mode::Timed).expect("a frame");
                     frame.begin_effect();
@@ -202,8 +205,8 @@ fn time_reflecting(bench: &Bench) {
                 };
                 images.iter().map(frame_times).collect::<Vec<_>>()
             };
-            turn();
-            let turns: Vec<_> = (0..TURNS).map(|_| turn()).collect();
+            time_turn();
+            let turns: Vec<_> = (0..TURNS).map(|_| time_turn()).collect();
             print_rows("reflecting", name, (&scene.name, &view.name), &["1", "0.5", "0.25", "0.1"], &turns);
         }
     }
@@ -220,33 +223,33 @@ fn time_ray_traced(bench: &Bench) {
     let setup = Setup::new(SMALL);
     let shot = Shot::new(&mut stage, method("ssr-fast"), &setup, Wants::IMAGE, camera, materials.clone());
     let shot = shot.expect("a shot");
-    let mut turn = || {
+    let mut time_turn = || {
         let march = times(&stage.run(&shot, Mode::Timed).expect("a frame").0);
         let begun = Instant::now();
         let world = World::new(&scene, &materials);
-        let first = FirstHits::trace(&world, &camera, SMALL);
-        let reference = WorldReference::new(&world, &first, &camera, 1);
+        let first_hits = FirstHits::trace(&world, &camera, SMALL);
+        let reference = WorldReference::new(&world, &first_hits, &camera, 1);
         let mut state = reference.start();
         reference.add(&mut state, 16);
         vec![march, [begun.elapsed().as_secs_f64() * 1e3, march[1]]]
     };
-    turn();
-    let turns: Vec<_> = (0..5).map(|_| turn()).collect();
+    time_turn();
+    let turns: Vec<_> = (0..5).map(|_| time_turn()).collect();
     print_rows("ray-traced", "ssr-fast", (&scene.name, &view.name), &["march", "reference"], &turns);
 }
 
 /// Times the claims that are asked for.
 pub fn run(bench: &Bench) {
     println!("claim,method,scene,view,variant,ratio,least,greatest,scene_ratio");
-    let step = |name, change: Change| changed(name, 0.0, change);
-    let steps = vec![
-        step("1", SAME),
-        step("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
-        step("10", |s| s.with(|p: &mut SsrParams| p.pixel_step = 10)),
-        step("20", |s| s.with(|p: &mut SsrParams| p.pixel_step = 20)),
+    let mirrors = |name, change: Change| changed(name, 0.0, change);
+    let pixel_steps = vec![
+        mirrors("1", SAME),
+        mirrors("5", |s| s.with(|p: &mut SsrParams| p.pixel_step = 5)),
+        mirrors("10", |s| s.with(|p: &mut SsrParams| p.pixel_step = 10)),
+        mirrors("20", |s| s.with(|p: &mut SsrParams| p.pixel_step = 20)),
     ];
     let schmidt = [("street", "puddles"), ("museum", "museum"), ("cathedral", "nave")];
-    time_views(bench, "pixel-step", &schmidt, &[("ssr", steps)]);
+    time_views(bench, "pixel-step", &schmidt, &[("ssr", pixel_steps)]);
 
     let views = [("rooms", "corridor"), ("rooms", "window-floor"), ("rooms", "two-cylinders"), ("atrium", "hall")];
     let half_resolution = |roughness| {

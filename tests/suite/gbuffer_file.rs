@@ -39,7 +39,7 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
             let loaded = gbuffer_file::load(&path).unwrap();
             assert!(loaded == data, "the file gives back every bit");
             let reflected = gbuffer::reflect(&gpu, &loaded, None, method, &setup).unwrap();
-            let bits = |p: &ssct::gpu::Pixels| p.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            let bits = |image: &ssct::gpu::Pixels| image.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
             assert!(bits(&reflected.reflection) == bits(&direct.reflection), "{} {extent:?}: reflection", method.name);
             assert!(bits(&reflected.composite) == bits(&direct.composite), "{} {extent:?}: composite", method.name);
         }
@@ -65,9 +65,9 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
         let data = gbuffer::read(&mut stage.context, &shot).unwrap();
         let beside = gbuffer::reflect_in(&gpu, &scene, &data, unified, &setup).unwrap().composite;
         let alone = gbuffer::reflect(&gpu, &data, None, unified, &setup).unwrap().composite;
-        let rmse_of = |made: &ssct::gpu::Pixels| {
-            let squares = made.values.iter().zip(&direct.values).map(|(a, b)| f64::from(a - b).powi(2));
-            (squares.sum::<f64>() / made.values.len() as f64).sqrt()
+        let rmse_of = |image: &ssct::gpu::Pixels| {
+            let squares = image.values.iter().zip(&direct.values).map(|(a, b)| f64::from(a - b).powi(2));
+            (squares.sum::<f64>() / image.values.len() as f64).sqrt()
         };
         // Rays that begin at the point that a depth gives, and not on the pixel's triangle, may end elsewhere at edges.
         let [error_beside, error_alone] = [rmse_of(&beside), rmse_of(&alone)];
@@ -82,8 +82,8 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
     stage.draw(&shot).unwrap();
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
     for method in ["traced", "pccm"].map(|name| methods::find(name).unwrap()) {
-        let made = gbuffer::reflect_in(&gpu, &scene, &data, method, &setup).unwrap();
-        assert!(made.reflection.values.iter().any(|v| *v > 0.0), "{}", method.name);
+        let reflected = gbuffer::reflect_in(&gpu, &scene, &data, method, &setup).unwrap();
+        assert!(reflected.reflection.values.iter().any(|v| *v > 0.0), "{}", method.name);
     }
     gpu.check_validation().unwrap();
 }
@@ -93,18 +93,18 @@ fn beside_its_scene_a_gbuffer_shows_what_the_screen_does_not() {
 #[test]
 fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
     let folder = Folder::new();
-    let what = ["--scene", "rooms", "--view", "window", "--size", "34x19"];
-    folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &what].concat());
+    let view_options = ["--scene", "rooms", "--view", "window", "--size", "34x19"];
+    folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &view_options].concat());
     let reflect = ["gbuffer", "reflect", "g.exr", "--method", "traced", "-o", "r.png"];
     folder.succeed(&[&reflect[..], &["--triangles", "rooms"]].concat());
-    for (more, says) in [
+    for (options, expected) in [
         (&["--triangles", "nowhere"][..], "nowhere: neither a built-in scene"),
         (&["--triangles", "rooms", "--captures", "none"], "cannot be used with"),
         (&[], "a G-buffer alone does not have them"),
     ] {
-        let output = folder.run(&[&reflect[..], more].concat());
+        let output = folder.run(&[&reflect[..], options].concat());
         let message = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success() && message.contains(says), "{message}");
+        assert!(!output.status.success() && message.contains(expected), "{message}");
     }
 }
 
@@ -113,16 +113,16 @@ fn a_scene_beside_a_gbuffer_is_named_or_refused_in_a_sentence() {
 #[test]
 fn an_image_of_a_file_gets_the_most_own_rays_unless_a_number_is_given() {
     let folder = Folder::new();
-    let what = ["--scene", "rooms", "--view", "corridor", "--roughness", "0.3", "--size", "66x37"];
-    folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &what].concat());
-    let image = |more: &[&str]| {
-        folder.succeed(&[&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"], more].concat());
+    let view_options = ["--scene", "rooms", "--view", "corridor", "--roughness", "0.3", "--size", "66x37"];
+    folder.succeed(&[&["gbuffer", "export", "g.exr"][..], &view_options].concat());
+    let image_with = |options: &[&str]| {
+        folder.succeed(&[&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"], options].concat());
         std::fs::read(folder.path("r.exr")).unwrap()
     };
-    let plain = image(&[]);
-    assert!(plain == image(&["--own-rays", "16"]));
-    assert!(plain != image(&["--own-rays", "none"]));
-    assert!(image(&["--own-rays", "auto"]) == image(&["--own-rays", "none"]));
+    let default_image = image_with(&[]);
+    assert!(default_image == image_with(&["--own-rays", "16"]));
+    assert!(default_image != image_with(&["--own-rays", "none"]));
+    assert!(image_with(&["--own-rays", "auto"]) == image_with(&["--own-rays", "none"]));
 }
 
 /// The view of the rooms, whose windows show the sky, and the number of captures.
@@ -159,14 +159,14 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     };
     write_captures(captures);
     // The command draws the scene's own materials, and `child` gives all of them one roughness.
-    let place = ["--scene", "rooms", "--view", view, "--size", "97x61"];
-    run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
-    let method = ["--method", "unified", "--fallback", "captures"];
-    let direct = ["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"];
-    run(&[&direct[..], &method, &place].concat());
-    run(&[&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], &method[..]].concat());
-    let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
-    assert!(a == b, "{view}");
+    let view_options = ["--scene", "rooms", "--view", view, "--size", "97x61"];
+    run(&[&["gbuffer", "export", "g.exr"], &view_options[..]].concat());
+    let method_options = ["--method", "unified", "--fallback", "captures"];
+    let render_options = ["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"];
+    run(&[&render_options[..], &method_options, &view_options].concat());
+    run(&[&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], &method_options[..]].concat());
+    let [direct_image, image_of_files] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert!(direct_image == image_of_files, "{view}");
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "gbuffer_file::child", "--ignored", "--nocapture"]).env(CUBES, folder.root());
     succeed(command);
@@ -217,7 +217,7 @@ fn child() {
         std::fs::write(&path, gbuffer_file::encode(&data, &path).unwrap()).unwrap();
         let data = gbuffer_file::load(&path).unwrap();
         let beside = gbuffer::reflect(&gpu, &data, Some(&cubes), method, &setup).unwrap();
-        let bits = |p: &ssct::gpu::Pixels| p.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let bits = |image: &ssct::gpu::Pixels| image.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         assert!(bits(&beside.composite) == bits(&direct.composite), "{case}: composite");
         assert!(bits(&beside.reflection) == bits(&direct.reflection), "{case}: reflection");
         if method.is_screen_space() && fallback == Fallback::None {
@@ -236,14 +236,14 @@ fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
     let room = "v -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n";
     folder.write("room.obj", room);
     folder.succeed(&["captures", "rooms", "--captures", "1", "--capture-side", "4", "-o", "cubes"]);
-    let eye = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "16x16"];
-    folder.succeed(&[&["gbuffer", "export", "g.exr"], &eye[..]].concat());
+    let view_options = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "16x16"];
+    folder.succeed(&[&["gbuffer", "export", "g.exr"], &view_options[..]].concat());
     let reflect = |args: &[&str]| {
         let output = folder.run(&[&["gbuffer", "reflect", "g.exr", "-o", "x.png"], args].concat());
         let errors = String::from_utf8(output.stderr).unwrap();
         (output.status.code().unwrap(), errors)
     };
-    let refused = |args: &[&str], status: i32, words: &str| {
+    let assert_refused = |args: &[&str], status: i32, words: &str| {
         let (code, errors) = reflect(args);
         assert!(code == status && errors.contains(words), "{args:?}: {code}, {errors}");
         assert!(!Path::new(&folder.path("x.png")).exists(), "{args:?}");
@@ -251,27 +251,31 @@ fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
     let unified = ["--method", "unified", "--captures"];
     let with_captures = |folder: &'static str| [&unified[..], &[folder]].concat();
     for wrong in ["auto", "2", "nowhere", "g.exr"] {
-        refused(
+        assert_refused(
             &with_captures(wrong),
             2,
             &format!("--captures {wrong}: there is no such folder; a G-buffer has no scene"),
         );
     }
-    refused(&["--captures", "cubes"], 2, "the method ssct follows no rays in captures");
-    refused(&[&with_captures("cubes")[..], &["--capture-side", "128"]].concat(), 2, "have the side that they have");
-    refused(&["--method", "captures"], 2, "captures need the scene");
+    assert_refused(&["--captures", "cubes"], 2, "the method ssct follows no rays in captures");
+    assert_refused(
+        &[&with_captures("cubes")[..], &["--capture-side", "128"]].concat(),
+        2,
+        "have the side that they have",
+    );
+    assert_refused(&["--method", "captures"], 2, "captures need the scene");
     std::fs::remove_file(folder.path("cubes/1/ny.exr")).unwrap();
-    refused(
+    assert_refused(
         &with_captures("cubes"),
         1,
         "cubes/1/ny.exr: there is no such file, and capture 1 needs all of its six faces",
     );
     folder.write("cubes/1/ny.exr", "hello");
-    refused(&with_captures("cubes"), 1, "cubes/1/ny.exr: cannot be read as an OpenEXR image");
+    assert_refused(&with_captures("cubes"), 1, "cubes/1/ny.exr: cannot be read as an OpenEXR image");
     folder.write("cubes/captures.toml", "[[capture]]\nplace = [0, 0, 0]\nside = 4\n");
-    refused(&with_captures("cubes"), 1, "cubes/captures.toml:3: unknown field `side`");
+    assert_refused(&with_captures("cubes"), 1, "cubes/captures.toml:3: unknown field `side`");
     std::fs::remove_file(folder.path("cubes/captures.toml")).unwrap();
-    refused(&with_captures("cubes"), 1, "cannot read cubes/captures.toml");
+    assert_refused(&with_captures("cubes"), 1, "cannot read cubes/captures.toml");
     let (code, errors) = reflect(&[&unified[..], &["none"]].concat());
     assert!(code == 0 && errors.is_empty(), "{errors}");
 }
@@ -302,13 +306,13 @@ fn no_method_makes_infinity_of_colours_beyond_half_floats() {
             *colour = Vec3::new(7e4, 1e9, f32::MAX);
         }
     }
-    data.reflectivity.iter_mut().for_each(|r| *r = if *r > 0.0 { 1.0 } else { 0.0 });
+    data.reflectivity.iter_mut().for_each(|value| *value = if *value > 0.0 { 1.0 } else { 0.0 });
     for method in METHODS.iter().filter(|m| m.is_screen_space()) {
         let setup = Setup::new([data.width, data.height]);
-        let made = gbuffer::reflect(&gpu, &data, None, method, &setup).unwrap();
-        for (image_name, pixels) in [("reflection", &made.reflection), ("composite", &made.composite)] {
-            let bad = pixels.values.iter().filter(|v| !v.is_finite()).count();
-            assert_eq!(bad, 0, "{}: {image_name}", method.name);
+        let reflected = gbuffer::reflect(&gpu, &data, None, method, &setup).unwrap();
+        for (image_name, pixels) in [("reflection", &reflected.reflection), ("composite", &reflected.composite)] {
+            let infinite = pixels.values.iter().filter(|v| !v.is_finite()).count();
+            assert_eq!(infinite, 0, "{}: {image_name}", method.name);
         }
     }
 }
@@ -320,16 +324,18 @@ fn no_method_makes_infinity_of_them_behind_the_door() {
     let gpu = gpu();
     let mut engine = Engine::new(&gpu);
     let data = view_of_rooms(&gpu, [97, 61]);
-    let mut theirs = ForeignGBuffer::new(&mut engine, &data, NATIVE);
+    let mut foreign_gbuffer = ForeignGBuffer::new(&mut engine, &data, NATIVE);
+    // A third of the pixels get a very bright value.
     let bright = |index: usize, v: f32| if index.is_multiple_of(3) { [1e9, -1e9, f32::MAX][index / 3 % 3] } else { v };
-    let texels =
+    let numbers =
         data.color.iter().enumerate().flat_map(|(index, c)| c.extend(1.0).to_array().map(|v| bright(index, v)));
-    let texels: Vec<f32> = texels.collect();
-    theirs.color = engine.upload(ash::vk::Format::R32G32B32A32_SFLOAT, [97, 61], bytemuck::cast_slice(&texels));
+    let texels: Vec<f32> = numbers.collect();
+    foreign_gbuffer.color =
+        engine.upload(ash::vk::Format::R32G32B32A32_SFLOAT, [97, 61], bytemuck::cast_slice(&texels));
     let context = engine.context();
     for method in METHODS.iter().filter(|m| m.is_screen_space()) {
         let mut reflections = ssct::Reflections::new(&context, &info(&data, method.name)).unwrap();
-        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+        let recorded = engine.frame(&mut reflections, &foreign_gbuffer.input()).unwrap();
         let composite = engine.read(&recorded.composite.unwrap());
         assert!(composite.values.iter().all(|v| v.is_finite()), "{}", method.name);
     }
@@ -342,16 +348,16 @@ fn no_method_makes_infinity_of_them_behind_the_door() {
 fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
     let good = corridor(&gpu());
     let path = Path::new("a.exr");
-    let read = |change: &dyn Fn(&mut GBufferData)| {
+    let write_and_read = |change: &dyn Fn(&mut GBufferData)| {
         let mut data = good.clone();
         change(&mut data);
         gbuffer_file::decode(&gbuffer_file::encode(&data, path).unwrap(), path)
     };
-    assert!(read(&|_| ()).unwrap() == good);
+    assert!(write_and_read(&|_| ()).unwrap() == good);
     // A colour beyond the range of 16-bit floats is no mistake in a file.
-    assert_eq!(read(&|d| d.color[3].x = 7e4).unwrap().color[3].x, 7e4);
+    assert_eq!(write_and_read(&|d| d.color[3].x = 7e4).unwrap().color[3].x, 7e4);
     let pixel = 64 * 5 + 7;
-    let message = |change: &dyn Fn(&mut GBufferData)| read(change).unwrap_err().to_string();
+    let message = |change: &dyn Fn(&mut GBufferData)| write_and_read(change).unwrap_err().to_string();
     let colour = "it must be a finite number from 0 on";
     let unit = "it must be a number from 0 to 1";
     for (message, expected) in [
@@ -407,9 +413,9 @@ fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
     {
         let name = b"compression\0compression\0\x01\0\0\0";
         let compression_offset = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len();
-        let mut other = whole.clone();
-        other[compression_offset] = number;
-        let error = gbuffer_file::decode(&other, Path::new("a.exr")).unwrap_err().to_string();
+        let mut changed = whole.clone();
+        changed[compression_offset] = number;
+        let error = gbuffer_file::decode(&changed, Path::new("a.exr")).unwrap_err().to_string();
         assert_eq!(
             error,
             format!(

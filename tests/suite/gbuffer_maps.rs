@@ -58,34 +58,34 @@ fn original() -> &'static GBufferData {
         data.roughness[..sky].fill(0.0);
         data.reflectivity[..sky].fill(0.0);
         data.surface.fill(ssct_scenes::Surface::Lit);
-        assert!(data.reflecting().iter().filter(|r| **r).count() > 4000, "a scene that reflects");
+        assert!(data.reflecting().iter().filter(|reflects| **reflects).count() > 4000, "a scene that reflects");
         data
     })
 }
 
-/// Reads the file `main` by the text of a map.
-fn read(folder: &Folder, map: &str, main: &str) -> GBufferData {
+/// Reads the G-buffer whose main file has the name `main_file` by the text of a map.
+fn read_by_map(folder: &Folder, map: &str, main_file: &str) -> GBufferData {
     folder.write("map.toml", map);
-    GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(main)).unwrap()
+    GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(main_file)).unwrap()
 }
 
-/// Returns a number for each value.
-fn each<'a, T>(values: &'a [T], value: impl Fn(&T) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
-    values.iter().map(value)
+/// Returns the number that `to_number` makes of each value.
+fn numbers_of<'a, T>(values: &'a [T], to_number: impl Fn(&T) -> f64 + 'a) -> impl Iterator<Item = f64> + 'a {
+    values.iter().map(to_number)
 }
 
 /// Returns component `component` (0 to 2) of each vector.
-fn axis(values: &[Vec3], component: usize) -> impl Iterator<Item = f64> + '_ {
-    each(values, move |v| f64::from(v[component]))
+fn axis_values(vectors: &[Vec3], component: usize) -> impl Iterator<Item = f64> + '_ {
+    numbers_of(vectors, move |v| f64::from(v[component]))
 }
 
 /// Pairs names of channels with their samples.
-fn named(names: &[&str], samples: impl IntoIterator<Item = FlatSamples>) -> Vec<(String, FlatSamples)> {
+fn named_channels(names: &[&str], samples: impl IntoIterator<Item = FlatSamples>) -> Vec<(String, FlatSamples)> {
     names.iter().map(|name| (*name).to_owned()).zip(samples).collect()
 }
 
 /// Returns the numbers of a matrix, column after column, as a list of TOML.
-fn numbers(matrix: &DMat4) -> String {
+fn toml_numbers(matrix: &DMat4) -> String {
     format!("{:?}", matrix.to_cols_array())
 }
 
@@ -97,13 +97,15 @@ fn view_z(depth: f32, data: &GBufferData) -> f64 {
 
 /// Compares the reflections that methods make of two G-buffers. Returns, for each method, its name, the root mean
 /// square difference, and the share of values that differ by more than a step of a display.
-fn reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)> {
+fn compare_reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)> {
     let gpu = gpu();
     let compared = ["unified", "ssct"].map(|name| {
         let method = methods::find(name).unwrap();
         let setup = Setup::new(SIZE);
         let [a, b] = [a, b].map(|data| gbuffer::reflect(&gpu, data, None, method, &setup).unwrap().reflection);
-        let colours = |p: &Pixels| p.texels().flat_map(|t| [t[0], t[1], t[2]]).map(f64::from).collect::<Vec<_>>();
+        let colours = |image: &Pixels| {
+            image.texels().flat_map(|texel| [texel[0], texel[1], texel[2]]).map(f64::from).collect::<Vec<_>>()
+        };
         let differences: Vec<f64> = colours(&a).into_iter().zip(colours(&b)).map(|(a, b)| (a - b).abs()).collect();
         let count = differences.len() as f64;
         let rmse = (differences.iter().map(|d| d * d).sum::<f64>() / count).sqrt();
@@ -118,9 +120,10 @@ fn reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)
 ///
 /// Rays that graze an edge may differ. Their difference is bounded by 0.005 and half of the difference that the
 /// format's own rounding makes between `expected` and the original.
-fn same_images(read: &GBufferData, expected: &GBufferData) {
-    let rounding = reflections(expected, original());
-    for ((name, rmse, differing), (_, format_rmse, _)) in reflections(read, expected).into_iter().zip(rounding) {
+fn assert_same_images(read: &GBufferData, expected: &GBufferData) {
+    let rounding = compare_reflections(expected, original());
+    for ((name, rmse, differing), (_, format_rmse, _)) in compare_reflections(read, expected).into_iter().zip(rounding)
+    {
         assert!(differing < 0.005, "{name}: {differing} of all values differ, by {rmse}");
         assert!(rmse < 0.005 + 0.5 * format_rmse, "{name}: {rmse} apart, where the format alone gives {format_rmse}");
     }
@@ -133,12 +136,12 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     let data = original();
     let folder = Folder::new();
     let width = SIZE[0] as usize;
-    let up = |samples| flipped(samples, width);
+    let flip = |samples| flipped(samples, width);
     let is_half = |v: f32| f32::from(f16::from_f32(v)) == v;
     // The program keeps colours and normals in 16-bit floats, so that a file of 16-bit floats has them exactly.
     assert!(data.color.iter().chain(&data.normal).all(|v| v.to_array().into_iter().all(is_half)));
     let camera = &data.camera;
-    let main = Part::new(named(&["Depth.D"], [up(floats(each(&data.depth, |v| f64::from(*v))))]))
+    let main = Part::new(named_channels(&["Depth.D"], [flip(floats(numbers_of(&data.depth, |v| f64::from(*v))))]))
         .named("depth")
         .tiled(16)
         .compressed(Compression::PIZ)
@@ -153,15 +156,19 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
                 (camera.world_to_view * Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0))).to_cols_array(),
             ),
         );
-    let colour = named(&["R", "G", "B"], [0, 1, 2].map(|component| up(halves(axis(&data.color, component)))));
-    let material =
-        named(&["R", "G"], [&data.roughness, &data.reflectivity].map(|v| up(floats(each(v, |v| f64::from(*v))))));
+    let colour =
+        named_channels(&["R", "G", "B"], [0, 1, 2].map(|component| flip(halves(axis_values(&data.color, component)))));
+    let material = named_channels(
+        &["R", "G"],
+        [&data.roughness, &data.reflectivity].map(|v| flip(floats(numbers_of(v, |v| f64::from(*v))))),
+    );
     let colour = Part::new(colour).named("lit").compressed(Compression::RLE);
     write_exr(&folder.path("frame.exr"), SIZE, vec![main, colour, Part::new(material).named("material")]);
     // In the right-handed view space, z has the other sign.
-    let normal = [0, 1, 2]
-        .map(|component| up(halves(axis(&data.normal, component).map(|v| if component == 2 { -v } else { v }))));
-    let normal = Part::new(named(&["x", "y", "z"], normal)).compressed(Compression::PXR24).tiled(33);
+    let normal = [0, 1, 2].map(|component| {
+        flip(halves(axis_values(&data.normal, component).map(|v| if component == 2 { -v } else { v })))
+    });
+    let normal = Part::new(named_channels(&["x", "y", "z"], normal)).compressed(Compression::PXR24).tiled(33);
     write_exr(&folder.path("normals.exr"), SIZE, vec![normal]);
     let map = r#"
         origin = "bottom-left"
@@ -195,17 +202,17 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     for normal in &mut expected.normal {
         normal.z = -normal.z;
     }
-    assert!(read(&folder, map, "frame.exr") == expected, "a view space that is ours, of normals that are not");
+    assert!(read_by_map(&folder, map, "frame.exr") == expected, "a view space that is ours, of normals that are not");
     // With a right-handed world and a right-handed view, the map gives the original back.
     let right_map = map.replace("view = \"left\"", "view = \"right\"");
     let right_handed = (Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0)) * camera.world_to_view).as_dmat4()
         * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
-    let right_map = right_map.replace("{ attribute = \"place\" }", &numbers(&right_handed));
-    assert!(read(&folder, &right_map, "frame.exr") == *data, "to the bit");
+    let right_map = right_map.replace("{ attribute = \"place\" }", &toml_numbers(&right_handed));
+    assert!(read_by_map(&folder, &right_map, "frame.exr") == *data, "to the bit");
     let rows = format!("{:?}", right_handed.transpose().to_cols_array_2d());
     let by_rows =
-        right_map.replace(&numbers(&right_handed), &rows).replace("world = ", "matrices = \"rows\"\nworld = ");
-    assert!(read(&folder, &by_rows, "frame.exr") == *data, "as four rows");
+        right_map.replace(&toml_numbers(&right_handed), &rows).replace("world = ", "matrices = \"rows\"\nworld = ");
+    assert!(read_by_map(&folder, &by_rows, "frame.exr") == *data, "as four rows");
 
     // The command makes the image of the original out of the mapped files, and `convert` writes them as a file of this
     // program.
@@ -224,8 +231,8 @@ fn other_names_files_parts_tiles_rows_and_kinds_of_floats_change_no_bit() {
     assert!(gbuffer_file::load(&folder.path("converted.exr")).unwrap() == *data, "the file is the exported one");
 }
 
-/// Swaps y and z. This leads from this program's world to a right-handed world with z up, and back.
-fn z_up(v: DVec3) -> DVec3 {
+/// Swaps y and z, which leads from this program's world to a right-handed world with z up, and back.
+fn swap_y_and_z(v: DVec3) -> DVec3 {
     DVec3::new(v.x, v.z, v.y)
 }
 
@@ -238,24 +245,29 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
     let to_view = data.camera.world_to_view.as_dmat4();
     let to_world = to_view.inverse();
     // Half floats from 0 to 1, as engines store them.
-    let world: Vec<DVec3> =
-        data.normal.iter().map(|n| z_up(to_world.transform_vector3(n.as_dvec3()).normalize_or_zero())).collect();
-    let stored: Vec<DVec3> =
-        world.iter().map(|n| DVec3::from((*n * 0.5 + 0.5).to_array().map(|v| f64::from(f16::from_f64(v))))).collect();
+    let world_normals: Vec<DVec3> = data
+        .normal
+        .iter()
+        .map(|n| swap_y_and_z(to_world.transform_vector3(n.as_dvec3()).normalize_or_zero()))
+        .collect();
+    let stored_normals: Vec<DVec3> = world_normals
+        .iter()
+        .map(|n| DVec3::from((*n * 0.5 + 0.5).to_array().map(|v| f64::from(f16::from_f64(v)))))
+        .collect();
     let z: Vec<f64> = data.depth.iter().map(|d| if *d > 0.0 { view_z(*d, data) } else { 1e10 }).collect();
-    let unorm = |component: usize| halves(stored.iter().map(|n| n[component]));
+    let unorm = |component: usize| halves(stored_normals.iter().map(|n| n[component]));
     let channels = [floats(z.iter().copied()), unorm(0), unorm(1), unorm(2)];
-    let depth_and_normal = Part::new(named(&["Z", "X", "Y", "W"], channels));
-    let rest = Part::new(named(
+    let depth_and_normal = Part::new(named_channels(&["Z", "X", "Y", "W"], channels));
+    let color_and_material = Part::new(named_channels(
         &["R", "G", "B", "s", "p"],
-        [0, 1, 2].map(|component| floats(axis(&data.color, component))).into_iter().chain([
-            floats(each(&data.reflectivity, |v| f64::from(*v) * 0.25)),
+        [0, 1, 2].map(|component| floats(axis_values(&data.color, component))).into_iter().chain([
+            floats(numbers_of(&data.reflectivity, |v| f64::from(*v) * 0.25)),
             // α(ϱ) by its formula; an exponent is infinite for a mirror.
-            floats(each(&data.roughness, |v| ssct_ground::math::phong::exponent(f64::from(*v)))),
+            floats(numbers_of(&data.roughness, |v| ssct_ground::math::phong::exponent(f64::from(*v)))),
         ]),
     ));
     write_exr(&folder.path("a.exr"), SIZE, vec![depth_and_normal]);
-    write_exr(&folder.path("b.exr"), SIZE, vec![rest]);
+    write_exr(&folder.path("b.exr"), SIZE, vec![color_and_material]);
     // The matrix takes a view along −z to a world with z up.
     let swap = DMat4::from_cols(glam::DVec4::X, glam::DVec4::Z, glam::DVec4::Y, glam::DVec4::W);
     let view_to_world = swap * to_world * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
@@ -293,9 +305,9 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
         f64::from(lens.fov_y_radians().unwrap()).to_degrees(),
         lens.near_m,
         lens.far_m,
-        numbers(&view_to_world)
+        toml_numbers(&view_to_world)
     );
-    let found = read(&folder, &map, "a.exr");
+    let found = read_by_map(&folder, &map, "a.exr");
     assert!(found.camera.world_to_view.abs_diff_eq(data.camera.world_to_view, 1e-6 * data.camera.eye().length()));
     assert!(
         (found.camera.lens.fov_y_radians().unwrap() - lens.fov_y_radians().unwrap()).abs()
@@ -314,8 +326,8 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
         let roughness = f64::from(data.roughness[i]);
         assert!((f64::from(found.roughness[i]) - roughness).abs() <= 1e-5 * roughness.max(1e-3), "{i}: {roughness}");
         if data.depth[i] > 0.0 {
-            let n = DVec3::from((stored[i] * 2.0 - 1.0).to_array()).normalize();
-            expected.normal[i] = to_view.transform_vector3(z_up(n)).as_vec3();
+            let n = DVec3::from((stored_normals[i] * 2.0 - 1.0).to_array()).normalize();
+            expected.normal[i] = to_view.transform_vector3(swap_y_and_z(n)).as_vec3();
             // A component in 0 to 1 is rounded by at most half a step of 2⁻¹¹, and the map doubles it; normalising at
             // most doubles the error once more.
             let distance = found.normal[i].as_dvec3().distance(data.normal[i].as_dvec3().normalize());
@@ -325,13 +337,13 @@ fn a_right_handed_world_with_z_up_and_distances_in_metres() {
             assert_eq!(found.normal[i], Vec3::ZERO);
         }
     }
-    same_images(&found, &expected);
+    assert_same_images(&found, &expected);
 }
 
 /// Returns the octahedral coordinates of a direction, from −1 to 1. Of the two usual ways to write the fold, this is
 /// the one that the program does not use.
-fn octahedral(n: DVec3) -> [f64; 2] {
-    let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
+fn octahedral(direction: DVec3) -> [f64; 2] {
+    let n = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     let sign = |v: f64| if v >= 0.0 { 1.0 } else { -1.0 };
     if n.z >= 0.0 { [n.x, n.y] } else { [(1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)] }
 }
@@ -343,51 +355,59 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
     let data = original();
     let folder = Folder::new();
     let width = SIZE[0] as usize;
-    let up = |samples| flipped(samples, width);
-    // Right-handed view space.
-    let view: Vec<[f64; 2]> = data
+    let flip = |samples| flipped(samples, width);
+    // The octahedral coordinates of the normals in a right-handed view space.
+    let coordinates: Vec<[f64; 2]> = data
         .normal
         .iter()
         .map(|n| octahedral((n.as_dvec3() * DVec3::new(1.0, 1.0, -1.0)).normalize_or(DVec3::Z)))
         .collect();
     // Standard depth, from −1 to 1.
-    let gl: Vec<f32> = data.depth.iter().map(|d| (1.0 - 2.0 * f64::from(*d)) as f32).collect();
-    let unorm: Vec<[u32; 2]> = view.iter().map(|v| v.map(|c| ((c * 0.5 + 0.5) * 65535.0).round() as u32)).collect();
-    let twelve: Vec<[u32; 2]> = view.iter().map(|v| v.map(|c| ((c * 0.5 + 0.5) * 4095.0).round() as u32)).collect();
+    let gl_depths: Vec<f32> = data.depth.iter().map(|d| (1.0 - 2.0 * f64::from(*d)) as f32).collect();
+    let bits_16: Vec<[u32; 2]> =
+        coordinates.iter().map(|v| v.map(|c| ((c * 0.5 + 0.5) * 65535.0).round() as u32)).collect();
+    let bits_12: Vec<[u32; 2]> =
+        coordinates.iter().map(|v| v.map(|c| ((c * 0.5 + 0.5) * 4095.0).round() as u32)).collect();
+    // Returns one of the three bytes into which two coordinates of twelve bits are packed.
     let packed = |component: usize| {
         let byte = |v: &[u32; 2]| match component {
             2 => (v[0] >> 8) | (v[1] >> 8) << 4,
             component => v[component] & 255,
         };
-        up(floats(twelve.iter().map(|v| f64::from(byte(v)) / 255.0)))
+        flip(floats(bits_12.iter().map(|v| f64::from(byte(v)) / 255.0)))
     };
     let distances = (0..data.depth.len()).map(|i| {
         let (x, y) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        let top = (0.5 * f64::from(data.camera.lens.fov_y_radians().unwrap())).tan();
+        let tan_half_fov = (0.5 * f64::from(data.camera.lens.fov_y_radians().unwrap())).tan();
         let ray = DVec3::new(
-            (2.0 * x / f64::from(SIZE[0]) - 1.0) * top * f64::from(data.camera.aspect),
-            (1.0 - 2.0 * y / f64::from(SIZE[1])) * top,
+            (2.0 * x / f64::from(SIZE[0]) - 1.0) * tan_half_fov * f64::from(data.camera.aspect),
+            (1.0 - 2.0 * y / f64::from(SIZE[1])) * tan_half_fov,
             1.0,
         );
         if data.depth[i] > 0.0 { view_z(data.depth[i], data) * ray.length() } else { -1.0 }
     });
     let channels = [
-        up(floats(gl.iter().map(|v| f64::from(*v)))),
-        up(floats(each(&data.depth, |d| 1.0 - f64::from(*d)))),
-        up(floats(distances.map(|d| if d < 0.0 { d } else { d * 100.0 }))),
-        up(integers(unorm.iter().map(|v| v[0]))),
-        up(integers(unorm.iter().map(|v| v[1]))),
-        up(floats(view.iter().map(|v| v[0]))),
-        up(floats(view.iter().map(|v| v[1]))),
+        flip(floats(gl_depths.iter().map(|v| f64::from(*v)))),
+        flip(floats(numbers_of(&data.depth, |d| 1.0 - f64::from(*d)))),
+        flip(floats(distances.map(|d| if d < 0.0 { d } else { d * 100.0 }))),
+        flip(integers(bits_16.iter().map(|v| v[0]))),
+        flip(integers(bits_16.iter().map(|v| v[1]))),
+        flip(floats(coordinates.iter().map(|v| v[0]))),
+        flip(floats(coordinates.iter().map(|v| v[1]))),
         packed(0),
         packed(1),
         packed(2),
-        up(floats(each(&data.roughness, |v| f64::from(*v)))),
-        up(floats(each(&data.reflectivity, |v| f64::from(*v)))),
+        flip(floats(numbers_of(&data.roughness, |v| f64::from(*v)))),
+        flip(floats(numbers_of(&data.reflectivity, |v| f64::from(*v)))),
     ];
     let names = ["gl", "d3d", "t", "u", "v", "x", "y", "p0", "p1", "p2", "rough", "refl"];
-    let colour = named(&["R", "G", "B"], [0, 1, 2].map(|component| up(floats(axis(&data.color, component)))));
-    write_exr(&folder.path("f.exr"), SIZE, vec![Part::new([named(&names, channels), colour].concat()).tiled(64)]);
+    let colour =
+        named_channels(&["R", "G", "B"], [0, 1, 2].map(|component| flip(floats(axis_values(&data.color, component)))));
+    write_exr(
+        &folder.path("f.exr"),
+        SIZE,
+        vec![Part::new([named_channels(&names, channels), colour].concat()).tiled(64)],
+    );
     let lens = data.camera.lens;
     let map = |depth: &str, normal: &str| {
         format!(
@@ -413,7 +433,7 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         ("encoding = \"octahedral-unorm\"\nchannels = [\"u\", \"v\"]\nscale = 1.5259021896696422e-5", 1.0 / 65535.0),
         ("encoding = \"octahedral-888\"\nchannels = [\"p0\", \"p1\", \"p2\"]", 1.0 / 4095.0),
     ] {
-        let found = read(&folder, &map(gl_depth, normal), "f.exr");
+        let found = read_by_map(&folder, &map(gl_depth, normal), "f.exr");
         assert_eq!(found.camera, expected.camera);
         assert!(
             found.color == data.color && found.roughness == data.roughness && found.reflectivity == data.reflectivity
@@ -429,7 +449,7 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         ("channel = \"d3d\"\nkind = \"standard\"", ROUNDS_32 / 2.0),
         ("channel = \"t\"\nkind = \"distance\"\nscale = 0.01\nsky-value = -1", 0.0),
     ] {
-        let found = read(&folder, &map(depth, signed), "f.exr");
+        let found = read_by_map(&folder, &map(depth, signed), "f.exr");
         for i in 0..data.depth.len() {
             let d = f64::from(data.depth[i]);
             let z = view_z(data.depth[i], data);
@@ -444,15 +464,15 @@ fn depth_of_opengl_and_octahedral_normals_from_the_bottom_up() {
         // The depth that the files hold after rounding, as the test itself computes it.
         let mut expected_depths = expected.clone();
         let rounded: Option<Vec<f64>> = match depth {
-            d if d == gl_depth => Some(gl.iter().map(|v| 0.5 - 0.5 * f64::from(*v)).collect()),
+            d if d == gl_depth => Some(gl_depths.iter().map(|v| 0.5 - 0.5 * f64::from(*v)).collect()),
             d if d.contains("d3d") => {
                 Some(data.depth.iter().map(|d| 1.0 - f64::from((1.0 - f64::from(*d)) as f32)).collect())
             }
             _ => None,
         };
-        for (expected_depths, rounded) in expected_depths.depth.iter_mut().zip(rounded.into_iter().flatten()) {
-            *expected_depths = rounded as f32;
+        for (expected_depth, rounded_depth) in expected_depths.depth.iter_mut().zip(rounded.into_iter().flatten()) {
+            *expected_depth = rounded_depth as f32;
         }
-        same_images(&found, &expected_depths);
+        assert_same_images(&found, &expected_depths);
     }
 }

@@ -14,11 +14,11 @@ use ssct_truth::reference::screen::{Sampling, ScreenReference};
 
 /// Draws the G-buffer of a view of the rooms at a size in pixels, with one roughness and deviation of normals, and with
 /// the camera moved aside by `aside_m` metres.
-fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {
+fn draw_gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {
     let scene = crate::common::built_in("rooms");
     let view = scene.view(view).unwrap();
-    let right = Vec3::Y.cross(view.look_at - view.eye).normalize() * aside_m;
-    let view = View { eye: view.eye + right, look_at: view.look_at + right, ..view.clone() };
+    let offset = Vec3::Y.cross(view.look_at - view.eye).normalize() * aside_m;
+    let view = View { eye: view.eye + offset, look_at: view.look_at + offset, ..view.clone() };
     let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let (materials, camera) = (globals.materials(&scene, &view), view.camera(&scene, extent));
@@ -37,7 +37,7 @@ fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
 
 /// Returns the colours of an image without the fourth channel.
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
-    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
+    pixels.texels().map(|texel| [texel[0], texel[1], texel[2]]).collect()
 }
 
 /// Returns, for each pixel, whether it reflects.
@@ -61,10 +61,10 @@ fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
 fn its_error_is_a_fraction_of_the_thesis_method_s() {
     let gpu = gpu();
     for (view, roughness) in [("corridor", 0.05), ("corridor", 0.1), ("ceiling", 0.3), ("ceiling", 0.6)] {
-        let data = gbuffer(&gpu, view, [193, 109], roughness, 1.0, 0.0);
+        let data = draw_gbuffer(&gpu, view, [193, 109], roughness, 1.0, 0.0);
         let (truth, mask) = (reference(&data, 48), mask(&data));
         let [ours, thesis] =
-            ["unified", "ssct"].map(|m| masked_rmse(&truth, &colors(&reflection(&gpu, &data, m)), &mask));
+            ["unified", "ssct"].map(|method| masked_rmse(&truth, &colors(&reflection(&gpu, &data, method)), &mask));
         println!("{view}, roughness {roughness}: unified {ours:.4}, ssct {thesis:.4}, {:.3}", ours / thesis);
         assert!(ours < 0.36 * thesis, "{view}, {roughness}: {ours} against {thesis}");
     }
@@ -77,16 +77,16 @@ fn its_error_is_a_fraction_of_the_thesis_method_s() {
 fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
     let gpu = gpu();
     let values = [0.0, 0.1, 0.5];
-    let even = values.map(|roughness| gbuffer(&gpu, "cylinder", [195, 121], roughness, 1.0, 0.0));
-    let mut varied = even[0].clone();
+    let uniform = values.map(|roughness| draw_gbuffer(&gpu, "cylinder", [195, 121], roughness, 1.0, 0.0));
+    let mut varied = uniform[0].clone();
     let stripe = |x: u32| (x / 65) as usize;
     for y in 0..121 {
         for x in 0..195 {
             let i = varied.index(x, y);
-            varied.roughness[i] = even[stripe(x)].roughness[i];
+            varied.roughness[i] = uniform[stripe(x)].roughness[i];
         }
     }
-    let expected = even.each_ref().map(|data| reflection(&gpu, data, "unified"));
+    let expected = uniform.each_ref().map(|data| reflection(&gpu, data, "unified"));
     let found = reflection(&gpu, &varied, "unified");
     let mut compared = 0;
     for (x, y) in (0..121_u32).flat_map(|y| (0..195_u32).map(move |x| (x, y))) {
@@ -110,18 +110,18 @@ fn a_small_move_of_the_camera_changes_little() {
     // sets the bound.
     let gpu = gpu();
     for roughness in [0.05, 0.4] {
-        let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside));
+        let [a, b] = [0.0, 0.002].map(|aside_m| draw_gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside_m));
         // Pixels that show one surface in both images.
-        let still: Vec<bool> = (0..a.depth.len())
+        let shows_same_surface: Vec<bool> = (0..a.depth.len())
             .map(|i| {
                 let alike = (a.depth[i] - b.depth[i]).abs() < 0.01 * a.depth[i] && a.normal[i].dot(b.normal[i]) > 0.99;
                 a.reflects(i) && b.reflects(i) && alike
             })
             .collect();
-        let change = |a: &[[f32; 3]], b: &[[f32; 3]]| masked_rmse(a, b, &still);
+        let change = |a: &[[f32; 3]], b: &[[f32; 3]]| masked_rmse(a, b, &shows_same_surface);
         let scene = change(&reference(&a, 32), &reference(&b, 32));
-        let [ours, thesis] =
-            ["unified", "ssct"].map(|m| change(&colors(&reflection(&gpu, &a, m)), &colors(&reflection(&gpu, &b, m))));
+        let [ours, thesis] = ["unified", "ssct"]
+            .map(|method| change(&colors(&reflection(&gpu, &a, method)), &colors(&reflection(&gpu, &b, method))));
         println!("roughness {roughness}: reference {scene:.5}, unified {ours:.5}, ssct {thesis:.5}");
         assert!(scene < ours && ours < 0.9 * thesis, "roughness {roughness}: less steady than the thesis's cone");
     }

@@ -76,9 +76,9 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
         ["composite", "reflection"].map(|name| Image::target(gpu, name, LIT_COLOR, extent).unwrap());
     let canvas = Canvas { composite: Some(&composite), reflection: Some(&reflection) };
     let has_lobes = |wide: bool| (0..data.depth.len()).any(|i| data.reflects(i) && (data.roughness[i] > 0.2) == wide);
-    let known = Reflectors { mirrors: false, narrow: has_lobes(false), wide: has_lobes(true), everywhere: true };
-    assert!(mode.tiles || known.kinds() == 1);
-    let gbuffer = GBuffer { reflectors: known, ..images.gbuffer() };
+    let reflectors = Reflectors { mirrors: false, narrow: has_lobes(false), wide: has_lobes(true), everywhere: true };
+    assert!(mode.tiles || reflectors.kinds() == 1);
+    let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
     let parameters = unified::parameters(&data.camera, extent, true);
     let mut frame = context.begin(Mode::Plain).unwrap();
     let blocks = pyramid.record(&mut frame, &gbuffer, &parameters).unwrap();
@@ -94,11 +94,11 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
     let block = capture_block(&data.camera, None);
     let lost_rays = lost.bindings(&mut frame, &block, None, false).unwrap();
     let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, lost_rays, triangle_bindings: None };
-    if known.narrow {
+    if reflectors.narrow {
         gloss.trace_narrow(&mut frame, &input, &parameters).unwrap();
         gloss.resolve_narrow(&mut frame, &input, &parameters).unwrap();
     }
-    if known.wide {
+    if reflectors.wide {
         gloss.trace_wide(&mut frame, &input, &parameters).unwrap();
         gloss.resolve_wide(&mut frame, &input, &parameters).unwrap();
     }
@@ -108,12 +108,13 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
     let GlossImages { records, place, seen, cell_reflection, cell_surface, .. } = gloss.images();
     let [narrow, place, seen, cell_reflection, cell_surface] =
         [records, place, seen, cell_reflection, cell_surface].map(&mut read);
-    let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {
+    let texel_pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {
         a.texels().zip(b.texels()).map(|(a, b)| [vec4(a), vec4(b)]).collect()
     };
-    let unpack = |texel: &[f32]| NeighbourRay::unpack_record([0, 1, 2, 3].map(|i: usize| texel[i].to_bits()));
-    let wide = pairs(&place, &seen).into_iter().map(|[key, color]| NeighbourRay { key, color }).collect();
-    let cells = pairs(&cell_reflection, &cell_surface);
+    let unpack =
+        |texel: &[f32]| NeighbourRay::unpack_record([0, 1, 2, 3].map(|channel: usize| texel[channel].to_bits()));
+    let wide = texel_pairs(&place, &seen).into_iter().map(|[key, color]| NeighbourRay { key, color }).collect();
+    let cells = texel_pairs(&cell_reflection, &cell_surface);
     let cells = cells.into_iter().map(|[reflection, surface]| ResolvedCell { reflection, surface }).collect();
     let (reflection, composite) = (read(&reflection), read(&composite));
     Drawn {
@@ -123,8 +124,8 @@ pub(crate) fn draw(gpu: &Gpu, data: &GBufferData, mode: DrawMode) -> Drawn {
         reflection,
         composite,
         chain: (0..chain.levels())
-            .map(|n| {
-                let pixels = context.read(chain.level(n)).unwrap();
+            .map(|number| {
+                let pixels = context.read(chain.level(number)).unwrap();
                 level(&pixels, pixels.texels().map(Vec3::from_slice).collect())
             })
             .collect(),
@@ -155,7 +156,7 @@ fn aim_error(aim: &AimedRay) -> f32 {
     16.0 * f32::EPSILON / 2.0 + square_error / sine.max(square_error.sqrt())
 }
 
-/// Counts of what was compared in a pass.
+/// Counts of the rays, pixels or cells that were compared in a pass.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct Count {
     /// Rays, or pixels and cells, that were compared.
@@ -179,7 +180,7 @@ impl Count {
 }
 
 /// Returns a ray, and eight rays whose directions are off by [`aim_error`] to all sides.
-fn aims(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
+fn aims_within_error(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
     let (x, y) = aim.direction.any_orthonormal_pair();
     let aside = (0..8).map(move |i| {
         let (sin, cos) = (i as f32 * std::f32::consts::FRAC_PI_4).sin_cos();
@@ -188,9 +189,9 @@ fn aims(aim: AimedRay) -> impl Iterator<Item = AimedRay> {
     std::iter::once(Vec3::ZERO).chain(aside).map(move |offset| AimedRay { direction: aim.direction + offset, ..aim })
 }
 
-/// Compares a stored ray with its twin. The ray must lie between the results of the twin along directions that are off
-/// by the device's error. The numbers of the key and the 16-bit colours may be off by their rounding besides.
-/// `key_error` gives the rounding of each number of the key.
+/// Compares the ray `found` on the device with its twin, and adds the result to `count`. Key and colour must lie
+/// between those of the twin along directions that are off by [`aim_error`]. Beyond these bounds, the key may be off by
+/// its rounding, which `key_error` gives, and the colour by a step of 16-bit floats.
 fn check_ray(
     gloss: &Gloss,
     aim: AimedRay,
@@ -199,10 +200,10 @@ fn check_ray(
     twin: impl Fn(&AimedRay) -> NeighbourRay,
     count: &mut Count,
 ) {
-    let all: Vec<NeighbourRay> = aims(aim).map(|aim| twin(&aim)).collect();
-    let bound = |pick: fn(Vec4, Vec4) -> Vec4| {
-        let pairs = all.iter().map(|ray| [ray.key, ray.color]);
-        pairs.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap()
+    let twins: Vec<NeighbourRay> = aims_within_error(aim).map(|aim| twin(&aim)).collect();
+    let bound = |extreme: fn(Vec4, Vec4) -> Vec4| {
+        let pairs = twins.iter().map(|ray| [ray.key, ray.color]);
+        pairs.reduce(|a, b| [extreme(a[0], b[0]), extreme(a[1], b[1])]).unwrap()
     };
     let ([key_low, color_low], [key_high, color_high]) = (bound(Vec4::min), bound(Vec4::max));
     let key_allowed = Vec4::from(key_error(&aim, found));
@@ -211,13 +212,13 @@ fn check_ray(
     let is_right = outside_by(found.key, key_low, key_high).cmple(key_allowed).all()
         && outside_by(found.color, color_low, color_high).cmple(color_allowed).all();
     if !is_right && count.wrong == 0 {
-        println!("  {found:?}, twins: {all:?}, {aim:?}, {:?}", gloss.trace_glossy_ray(&aim));
+        println!("  {found:?}, twins: {twins:?}, {aim:?}, {:?}", gloss.trace_glossy_ray(&aim));
     }
-    let pixel = |aim: AimedRay| gloss.trace_glossy_ray(&aim).map(|(hit, _)| hit.pixel);
+    let hit_pixel = |aim: AimedRay| gloss.trace_glossy_ray(&aim).map(|(hit, _)| hit.pixel);
     count.add(Count {
         all: 1,
         hits: usize::from(found.key.w > 0.0),
-        ties: usize::from(aims(aim).any(|other| pixel(other) != pixel(aim))),
+        ties: usize::from(aims_within_error(aim).any(|other| hit_pixel(other) != hit_pixel(aim))),
         wrong: usize::from(!is_right),
     });
 }
@@ -267,11 +268,11 @@ pub(crate) fn check(data: &GBufferData, drawn: &Drawn, mode: DrawMode) -> Counts
     // the error grows with the depth of its end over that of its start. A near hit is stored a thousand times as far
     // away along its ray, which makes its error a thousand times as great.
     let wide_error = |aim: &AimedRay, found: &NeighbourRay| {
-        let place = found.key.truncate().abs().max_element() * (found.key.z / aim.point.z).max(1.0);
+        let greatest = found.key.truncate().abs().max_element() * (found.key.z / aim.point.z).max(1.0);
         let is_near = |position: Vec2| (position - aim.pixel.as_vec2() - 0.5).abs().max_element() < 8.5;
         let near = gloss.trace_glossy_ray(aim).is_some_and(|(hit, _)| is_near(hit.position));
-        let last = 8.0 * f32::EPSILON * if near { 1000.0 * aim.point.abs().max_element() } else { place };
-        [last, last, last, 8.0 * f32::EPSILON * 64.0]
+        let error = 8.0 * f32::EPSILON * if near { 1000.0 * aim.point.abs().max_element() } else { greatest };
+        [error, error, error, 8.0 * f32::EPSILON * 64.0]
     };
     for pixel in pixels(data.width, data.height) {
         let (x, y) = (pixel.x as u32, pixel.y as u32);
@@ -329,23 +330,27 @@ pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
         let block_index = u64::from(y / block * 1000 + x / block);
         let i = data.index(x, y);
         mixed.roughness[i] =
-            half([0.0, 0.02, 0.1, 0.2, 0.21, 0.4, 0.7, 1.0][(8.0 * stream.uniform(2 * block_index)) as usize]);
+            round_to_half([0.0, 0.02, 0.1, 0.2, 0.21, 0.4, 0.7, 1.0][(8.0 * stream.uniform(2 * block_index)) as usize]);
         mixed.reflectivity[i] *= f32::from(u8::from(stream.uniform(2 * block_index + 1) < 0.9));
     }
     mixed
 }
 
 /// Rounds a value to a 16-bit float.
-fn half(v: f32) -> f32 {
-    half::f16::from_f32(v).to_f32()
+fn round_to_half(value: f32) -> f32 {
+    half::f16::from_f32(value).to_f32()
 }
 
 /// Returns a G-buffer of noise: depths from 0.2 to 400 m, normals in any direction, colours up to thousands.
 pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     let count = u64::from(extent[0]) * u64::from(extent[1]);
     let stream = Stream::new(count, 7);
-    let unit = |i: u64, n: u64| stream.uniform(8 * i + n);
-    let vector = |i: u64, n: u64| Vec3::from([0, 1, 2].map(|c| half(unit(i, n + c) as f32 * 2.0 - 1.0)));
+    // Each pixel has eight random numbers: number 0 is for the view depth z, 1 to 3 for the normal, 4 to 6 for the
+    // colour.
+    let unit = |pixel: u64, number: u64| stream.uniform(8 * pixel + number);
+    let vector = |pixel: u64, first: u64| {
+        Vec3::from([0, 1, 2].map(|c| round_to_half(unit(pixel, first + c) as f32 * 2.0 - 1.0)))
+    };
     let z = |i: u64| 0.2 * 2000.0_f64.powf(unit(i, 0));
     GBufferData {
         width: extent[0],
@@ -354,8 +359,8 @@ pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
         depth: (0..count).map(|i| ((0.1 * 1000.0 / z(i) - 0.1) / (1000.0 - 0.1)) as f32).collect(),
         normal: (0..count).map(|i| vector(i, 1)).collect(),
         reflectivity: vec![1.0; count as usize],
-        roughness: vec![half(0.3); count as usize],
-        color: (0..count).map(|i| vector(i, 4).abs().map(|v| half(4000.0 * v * v * v))).collect(),
+        roughness: vec![round_to_half(0.3); count as usize],
+        color: (0..count).map(|i| vector(i, 4).abs().map(|v| round_to_half(4000.0 * v * v * v))).collect(),
         surface: vec![Surface::Lit; count as usize],
     }
 }
@@ -374,34 +379,34 @@ fn every_glossy_pass_is_its_twin() {
     use OracleVersion::{V1, V2};
     let gpu = gpu();
     let corridor = |roughness, deviation| rooms(&gpu, "corridor", [127, 61], roughness, deviation);
-    let mapped = corridor(0.5, 1.0);
+    let with_bumps = corridor(0.5, 1.0);
     let mut cases: Vec<(String, GBufferData, bool)> = Vec::new();
     for (roughness, deviation) in [(0.05, 0.0), (0.1, 1.0), (0.3, 0.0), (0.6, 1.0)] {
         cases.push((format!("roughness {roughness}"), corridor(roughness, deviation), true));
     }
     for block in [1, 5, 24] {
-        cases.push((format!("mixed in blocks of {block}"), mixed(&mapped, block), false));
+        cases.push((format!("mixed in blocks of {block}"), mixed(&with_bumps, block), false));
     }
     for extent in [[1, 1], [53, 1], [5, 3], [66, 65]] {
         cases.push((format!("noise, {extent:?}"), noise(extent), true));
         cases.push((format!("mixed noise, {extent:?}"), mixed(&noise(extent), 3), false));
     }
     cases.push(("noise under a sky".to_owned(), under_sky(&noise([66, 65])), true));
-    let take = if is_gpu_assisted() { 1 } else { usize::MAX };
+    let case_count = if is_gpu_assisted() { 1 } else { usize::MAX };
     let mut totals = Counts::default();
-    for (name, data, is_of_one_kind) in cases.iter().take(take) {
+    for (name, data, is_of_one_kind) in cases.iter().take(case_count) {
         for (oracle, tiles, over) in [(V1, !is_of_one_kind, false), (V2, true, true)] {
             let mode = DrawMode { oracle, tiles, over };
             let counts = check(data, &draw(&gpu, data, mode), mode);
             println!("{name}, {mode:?}: {:?}", counts.map(|count| [count.all, count.hits, count.ties, count.wrong]));
-            let most = |count: &Count| tolerated_share(&gpu) * count.all as f64;
-            assert!(counts.iter().all(|count| count.wrong as f64 <= most(count)), "{name}, {mode:?}");
+            let most_wrong = |count: &Count| tolerated_share(&gpu) * count.all as f64;
+            assert!(counts.iter().all(|count| count.wrong as f64 <= most_wrong(count)), "{name}, {mode:?}");
             totals.iter_mut().zip(counts).for_each(|(total, count)| total.add(count));
         }
     }
     println!("rays or pixels, hits, ties: {:?}", totals.map(|count| [count.all, count.hits, count.ties]));
     // Each pass has over 5000 hits, and less than one ray in 1000 could end in several pixels.
-    for Count { all, hits, ties, .. } in totals.into_iter().take(take) {
+    for Count { all, hits, ties, .. } in totals.into_iter().take(case_count) {
         assert!(hits > 5000 && hits < all && ties * 1000 < all, "{all}, {hits}, {ties}");
     }
     check_validation(&gpu).unwrap();
@@ -413,7 +418,8 @@ fn every_glossy_pass_is_its_twin() {
 fn a_ray_that_is_not_gathered_is_seen() {
     let gpu = gpu();
     let mode = DrawMode { oracle: OracleVersion::V1, tiles: true, over: false };
-    for (roughness, traced, shown) in [(0.1, 0, 3), (0.5, 1, 2)] {
+    // A roughness, with the indices in `Counts` of the passes that trace and that gather its rays.
+    for (roughness, traced, gathered) in [(0.1, 0, 3), (0.5, 1, 2)] {
         let data = rooms(&gpu, "corridor", [127, 61], roughness, 0.0);
         let mut drawn = draw(&gpu, &data, mode);
         for rays in [&mut drawn.narrow, &mut drawn.wide] {
@@ -422,6 +428,6 @@ fn a_ray_that_is_not_gathered_is_seen() {
         let counts = check(&data, &drawn, mode);
         assert!(counts[traced].wrong * 20 > counts[traced].all, "{counts:?}");
         // Each replaced ray lies in the neighbourhood of 9 pixels, or of 25 cells.
-        assert!(counts[shown].wrong * 10 > counts[shown].all, "{counts:?}");
+        assert!(counts[gathered].wrong * 10 > counts[gathered].all, "{counts:?}");
     }
 }

@@ -83,8 +83,8 @@ impl Sheet {
     }
 }
 
-/// Returns the path at which an image of a failed comparison is written.
-fn failed(name: &str) -> PathBuf {
+/// Returns the path to which an image of a failed comparison is written.
+fn failed_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden").join(name)
 }
 
@@ -93,15 +93,16 @@ fn is_updating() -> bool {
     std::env::var_os("SSCT_UPDATE_GOLDEN").is_some_and(|v| v == "1")
 }
 
-/// Compares an image with the kept one. Returns a sentence if the mean FLIP is not below the bound.
-fn compare(stem: &str, known: &image::RgbImage, image: &Rgb) -> Option<String> {
-    assert_eq!([known.width(), known.height()], [image.width, image.height], "{stem}");
-    let map = FlipMap::new(known.as_raw(), &image.bytes, image.width, image.height);
+/// Compares an image with the kept one. Returns a sentence if the mean FLIP is not below [`BOUND`]. `stem` is the name
+/// of the image in messages and files.
+fn compare(stem: &str, kept: &image::RgbImage, image: &Rgb) -> Option<String> {
+    assert_eq!([kept.width(), kept.height()], [image.width, image.height], "{stem}");
+    let map = FlipMap::new(kept.as_raw(), &image.bytes, image.width, image.height);
     println!("{stem}: FLIP {:.5}", map.mean());
     if map.mean() < BOUND {
         return None;
     }
-    let (rendered, difference) = (failed(&format!("{stem}.png")), failed(&format!("{stem}-flip.png")));
+    let (rendered, difference) = (failed_path(&format!("{stem}.png")), failed_path(&format!("{stem}-flip.png")));
     image.write_png(&rendered).unwrap();
     Rgb { bytes: map.picture(), ..image.clone() }.write_png(&difference).unwrap();
     Some(format!(
@@ -126,8 +127,8 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
         // A driver reads the variable when it is loaded, so that a process of its own has it.
         let words = if words_set.is_empty() { word.to_owned() } else { format!("{words_set},{word}") };
         let arguments = ["golden::images_of_the_built_in_scenes_are_as_they_were", "--exact", "--nocapture"];
-        let this = std::env::current_exe().unwrap();
-        let output = Command::new(this).args(arguments).env(variable, words).output().unwrap();
+        let this_test = std::env::current_exe().unwrap();
+        let output = Command::new(this_test).args(arguments).env(variable, words).output().unwrap();
         println!("{}", String::from_utf8_lossy(&output.stdout));
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         return;
@@ -145,9 +146,9 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
         // All devices are compared with one image, so that two devices are also close to each other.
         println!("{} ({})", device.info.name, device.info.driver);
         let device = Some(device.index.to_string());
-        // The layers watch every method in `validation`.
+        // Vulkan's validation layers are off here, since the tests in `validation` run every method with them.
         let query = DeviceQuery { device, isotropic: true, ..DeviceQuery::default() };
-        check(&Gpu::open(&query).unwrap());
+        check_all_views(&Gpu::open(&query).unwrap());
         if is_updating() {
             break;
         }
@@ -155,8 +156,8 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
 }
 
 /// Compares the image of every method on every view with its kept image.
-fn check(gpu: &Gpu) {
-    let mut wrong = Vec::new();
+fn check_all_views(gpu: &Gpu) {
+    let mut failures = Vec::new();
     let setup = crate::common::with_small_captures(&Setup::on_screen(EXTENT));
     for name in library::names() {
         let scene = crate::common::built_in(name);
@@ -176,7 +177,7 @@ fn check(gpu: &Gpu) {
                     sheet.put(number, &image);
                 } else {
                     let stem = format!("{name}-{}-{}", view.name, method.name);
-                    wrong.extend(compare(&stem, &sheet.get(number), &image));
+                    failures.extend(compare(&stem, &sheet.get(number), &image));
                 }
             }
             if is_updating() {
@@ -184,7 +185,7 @@ fn check(gpu: &Gpu) {
             }
         }
     }
-    assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
+    assert!(failures.is_empty(), "\n{}\n", failures.join("\n"));
 }
 
 /// Another preset, another filter of the colour chain, and no fade each differ from the usual image by over five times
@@ -199,7 +200,7 @@ fn a_changed_pass_is_seen() {
     let view = scene.view("corridor").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, view);
-    let mut image = |setup: &Setup| {
+    let mut draw = |setup: &Setup| {
         let shot = Shot::new(
             &mut stage,
             &METHODS[0],
@@ -212,13 +213,13 @@ fn a_changed_pass_is_seen() {
         display(&render(&mut stage, &shot, false).unwrap().composite)
     };
     let usual = Setup::on_screen(EXTENT);
-    let known = image(&usual);
+    let usual_image = draw(&usual);
     for (change, setup) in [
         ("preset", usual.of_preset(Preset::Author)),
         ("filter", usual.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian)),
         ("fade", unfaded(EXTENT)),
     ] {
-        let mean = FlipMap::new(&known.bytes, &image(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
+        let mean = FlipMap::new(&usual_image.bytes, &draw(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
         println!("{change}: FLIP {mean:.5}");
         assert!(mean > 5.0 * BOUND, "{change}: FLIP {mean}");
     }

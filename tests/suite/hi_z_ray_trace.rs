@@ -30,16 +30,16 @@ fn every_ray_ends_where_the_shader_says() {
         let camera = view.camera(&scene, SIZE);
         let method = methods::find("ssct").unwrap();
         let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, globals.materials(&scene, view)).unwrap();
-        let all = render(&mut stage, &shot, true).unwrap().intermediates.unwrap();
-        let find = |stem: &str| -> &Pixels { &all.iter().find(|(s, ..)| s == stem).unwrap().2 };
+        let images = render(&mut stage, &shot, true).unwrap().intermediates.unwrap();
+        let find = |wanted: &str| -> &Pixels { &images.iter().find(|(name, ..)| name == wanted).unwrap().2 };
         let (normals, hits) = (find("normal"), find("hits"));
-        let chain: Vec<Level<MinMax>> = all
+        let chain: Vec<Level<MinMax>> = images
             .iter()
             .filter(|(_, kind, _)| *kind == Content::StandardDepth)
-            .map(|(.., p)| Level {
-                width: p.width,
-                height: p.height,
-                texels: p.texels().map(MinMax::from_texel).collect(),
+            .map(|(.., image)| Level {
+                width: image.width,
+                height: image.height,
+                texels: image.texels().map(MinMax::from_texel).collect(),
             })
             .collect();
         assert_eq!((chain[0].width, chain[0].height), (SIZE[0], SIZE[1]));
@@ -55,19 +55,20 @@ fn every_ray_ends_where_the_shader_says() {
                 if path.by_hi_z() != Some(true) {
                     continue;
                 }
+                // P and V of the thesis: the pixel and the reflected ray in screen space.
                 let p_ss = ((Vec2::new(x as f32, y as f32) + 0.5) / size).extend(chain[0].at_clamped(x, y).min);
                 let normal = Vec3::from_slice(normals.texel(x, y)).normalize();
                 let v_ss = reflection_ray(&camera, p_ss, normal, numbers.reflection_offset);
                 let traced = trace(&chain, p_ss, v_ss, &constants);
-                let end = match path {
+                let shader_end = match path {
                     PathCode::HiZ => End::Hit,
                     PathCode::Miss => End::LeftScreen,
                     _ => End::Exhausted,
                 };
                 let offset = (traced.last().truncate() - Vec2::new(found[0], found[1])) * size;
-                let agrees = traced.end == end && (end != End::Hit || offset.abs().max_element() <= 1.0);
+                let agrees = traced.end == shader_end && (shader_end != End::Hit || offset.abs().max_element() <= 1.0);
                 rays += 1;
-                hit_count += u32::from(end == End::Hit);
+                hit_count += u32::from(shader_end == End::Hit);
                 agreeing += u32::from(agrees);
             }
         }

@@ -41,15 +41,16 @@ fn film(scene: &Scene, roughness: f32, setup: &Setup, moments: &[Moment]) -> Vec
     let mut stage = Stage::new(&gpu, scene).unwrap();
     let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(scene, &moments[0].view);
     let camera = |moment: &Moment| moment.view.camera(scene, EXTENT).jittered(moment.shift, EXTENT);
-    let first = camera(&moments[0]);
-    let mut shot = Shot::new(&mut stage, find("unified").unwrap(), setup, Wants::REFLECTION, first, materials).unwrap();
+    let first_camera = camera(&moments[0]);
+    let mut shot =
+        Shot::new(&mut stage, find("unified").unwrap(), setup, Wants::REFLECTION, first_camera, materials).unwrap();
     let mut images = Vec::new();
     for moment in moments {
         stage.scene_mut().place_meshes("ball", moment.ball).unwrap();
         shot.camera = camera(moment);
         let (_, _, output) = stage.output(&shot).unwrap();
         let image = gbuffer::reflection(&mut stage.context, &output).unwrap();
-        images.push(image.texels().map(|t| [t[0], t[1], t[2]]).collect());
+        images.push(image.texels().map(|texel| [texel[0], texel[1], texel[2]]).collect());
     }
     gpu.check_validation().unwrap();
     images
@@ -73,18 +74,19 @@ fn rooms_without_bumps() -> (Scene, View) {
 /// Returns the moments of a camera that moves aside by 2 cm in each of `moving` frames and then rests.
 fn walk(view: &View, moving: u32, resting: u32) -> Vec<Moment> {
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
-    let place = |n: u32| {
-        let aside = right * (0.02 * n.min(moving) as f32);
+    let view_in = |frame: u32| {
+        let aside = right * (0.02 * frame.min(moving) as f32);
         View { eye: view.eye + aside, look_at: view.look_at + aside, ..view.clone() }
     };
-    (0..=moving + resting).map(|n| Moment::from_view(&place(n))).collect()
+    (0..=moving + resting).map(|frame| Moment::from_view(&view_in(frame))).collect()
 }
 
 /// Returns the moments of a camera at rest: after `resting` frames, the ball rolls by 3 cm along x and along z in each
 /// frame.
 fn roll(view: &View, resting: u32, rolling: u32) -> Vec<Moment> {
-    let ball = |n: u32| Vec3::new(-0.03, 0.0, -0.03) * n.saturating_sub(resting) as f32;
-    (0..=resting + rolling).map(|n| Moment { ball: ball(n).into(), ..Moment::from_view(view) }).collect()
+    let ball_offset = |frame: u32| Vec3::new(-0.03, 0.0, -0.03) * frame.saturating_sub(resting) as f32;
+    let moment = |frame: u32| Moment { ball: ball_offset(frame).into(), ..Moment::from_view(view) };
+    (0..=resting + rolling).map(moment).collect()
 }
 
 /// Returns the root mean square difference of two images, over all pixels.
@@ -129,7 +131,7 @@ fn four_frames_after_a_stop_the_picture_is_what_it_will_be() {
         // The reference: as many frames, all of them at rest.
         let settled = film(&scene, roughness, &with_history(), &moments[6..]);
         let truth = settled.last().unwrap();
-        let [at_stop, after_four, at_end] = [6, 10, frames.len() - 1].map(|n| rmse(truth, &frames[n]));
+        let [at_stop, after_four, at_end] = [6, 10, frames.len() - 1].map(|frame| rmse(truth, &frames[frame]));
         let alone = rmse(truth, &film(&scene, roughness, &Setup::new(EXTENT), &moments[6..7])[0]);
         println!("roughness {roughness}: {alone:.4} alone, {at_stop:.4} at the stop, {after_four:.4}, {at_end:.4}");
         assert!(at_stop < alone, "{at_stop} against {alone}");
@@ -149,15 +151,15 @@ fn mean(images: &[Vec<[f32; 3]>]) -> Vec<[f32; 3]> {
 fn a_jittered_camera_at_rest_is_at_rest() {
     let (scene, view) = rooms();
     let phases = [[0.0, -0.17], [-0.25, 0.17], [0.25, -0.39], [-0.38, -0.06], [0.13, 0.28]];
-    let jittered = |n: usize| Moment { shift: phases[n % phases.len()], ..Moment::from_view(&view) };
-    for (roughness, most) in [(0.1, 0.6), (0.4, 0.7)] {
+    let jittered = |phase: usize| Moment { shift: phases[phase % phases.len()], ..Moment::from_view(&view) };
+    for (roughness, greatest_ratio) in [(0.1, 0.6), (0.4, 0.7)] {
         // The truth: each phase by itself at rest, averaged over five times as many frames.
-        let long = with_history().with(|p: &mut EffectParams| p.history_frames = 5 * AVERAGED);
-        let at_rest = |n: usize| {
-            let moments: Vec<_> = (0..5 * AVERAGED).map(|_| jittered(n)).collect();
-            film(&scene, roughness, &long, &moments).pop().unwrap()
+        let long_history = with_history().with(|p: &mut EffectParams| p.history_frames = 5 * AVERAGED);
+        let settled_in = |phase: usize| {
+            let moments: Vec<_> = (0..5 * AVERAGED).map(|_| jittered(phase)).collect();
+            film(&scene, roughness, &long_history, &moments).pop().unwrap()
         };
-        let truth = mean(&(0..phases.len()).map(at_rest).collect::<Vec<_>>());
+        let truth = mean(&(0..phases.len()).map(settled_in).collect::<Vec<_>>());
         let moments: Vec<_> = (0..4 * phases.len()).map(jittered).collect();
         let over_phases = |setup: &Setup| {
             let frames = film(&scene, roughness, setup, &moments);
@@ -166,7 +168,7 @@ fn a_jittered_camera_at_rest_is_at_rest() {
         let [error_with, error_without] = [with_history(), Setup::new(EXTENT)].map(|setup| over_phases(&setup));
         println!("roughness {roughness}: {error_with:.4} with a history, {error_without:.4} without");
         assert!(
-            error_with < most * error_without,
+            error_with < greatest_ratio * error_without,
             "roughness {roughness}: {error_with} with a history, {error_without} without"
         );
     }
@@ -199,16 +201,16 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
     let (scene, view) = rooms();
     let moments = roll(&view, AVERAGED, 10);
     let rolled = film(&scene, 0.1, &with_history(), &moments);
-    // The truth: frames in which the ball was never elsewhere.
+    // The truth: frames in which the ball always is where it ends.
     let still: Vec<Moment> =
         (0..AVERAGED).map(|_| Moment { ball: moments.last().unwrap().ball, ..Moment::from_view(&view) }).collect();
     let settled = film(&scene, 0.1, &with_history(), &still);
     let alone = film(&scene, 0.1, &Setup::new(EXTENT), &still[..1]);
     let at_start = film(&scene, 0.1, &Setup::new(EXTENT), &moments[..1]);
-    let moved: Vec<bool> = at_start[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
+    let shows_ball: Vec<bool> = at_start[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
     let truth = settled.last().unwrap();
     let [error_with, error_without] =
-        [rolled.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &moved));
+        [rolled.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &shows_ball));
     println!("where the ball was and is: {error_with:.4} with a history, {error_without:.4} without");
     assert!(error_with < 1.1 * error_without, "{error_with} against {error_without}");
 }
@@ -216,14 +218,15 @@ fn nothing_of_a_thing_is_left_where_it_was_reflected() {
 /// Places the ball of the rooms twenty times as large before the camera, so deep in the floor that a hill 3.4 m wide
 /// stands out: a slightly curved mirror. Returns the placement, the ball's centre and its radius in metres.
 fn hill(scene: &Scene, view: &View) -> (Placement, Vec3, f32) {
+    /// The factor on the size of the ball.
     const SIZE: f32 = 20.0;
     const HEIGHT_M: f32 = 0.3;
     let bounds = scene.meshes.iter().find(|mesh| mesh.name == "ball").unwrap().bounds;
-    let (ball, radius) = (0.5 * (bounds.min + bounds.max), 0.5 * SIZE * (bounds.max.y - bounds.min.y));
+    let (ball_centre, radius) = (0.5 * (bounds.min + bounds.max), 0.5 * SIZE * (bounds.max.y - bounds.min.y));
     let floor = scene.meshes.iter().find(|mesh| mesh.name == "floor").unwrap().bounds.max.y;
     let ahead = (view.look_at - view.eye).with_y(0.0).normalize();
     let centre = (view.eye + 2.5 * ahead).with_y(floor + HEIGHT_M - radius);
-    (Placement { size: SIZE, offset: centre - SIZE * ball, ..Placement::HERE }, centre, radius)
+    (Placement { size: SIZE, offset: centre - SIZE * ball_centre, ..Placement::HERE }, centre, radius)
 }
 
 /// The hill moves aside by 3 cm in each frame. In its pixels, the history has less than 0.75 of the error of one frame,
@@ -234,25 +237,25 @@ fn a_mirror_that_moves_finds_what_it_showed() {
     let (hill, centre, radius) = hill(&scene, &view);
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
     let view = View { look_at: centre.with_y(centre.y + radius), ..view };
-    let moment = |n: u32| {
-        let aside = right * (0.03 * n as f32 - 0.24);
+    let moment = |frame: u32| {
+        let aside = right * (0.03 * frame as f32 - 0.24);
         Moment { ball: Placement { offset: hill.offset + aside, ..hill }, ..Moment::from_view(&view) }
     };
     let moments: Vec<Moment> = (0..=AVERAGED).map(moment).collect();
-    let last = || moment(AVERAGED);
-    let still: Vec<Moment> = (0..2 * AVERAGED).map(|_| last()).collect();
+    let last_moment = || moment(AVERAGED);
+    let still: Vec<Moment> = (0..2 * AVERAGED).map(|_| last_moment()).collect();
     let far_below = Placement { offset: Vec3::new(0.0, -100.0, 0.0), ..Placement::HERE };
     for roughness in [0.1, 0.3] {
         let settled = film(&scene, roughness, &with_history(), &still);
         let truth = settled.last().unwrap();
-        let without = film(&scene, roughness, &Setup::new(EXTENT), &[Moment { ball: far_below, ..last() }]);
-        let alone = film(&scene, roughness, &Setup::new(EXTENT), &[last()]);
-        let shows: Vec<bool> = without[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
+        let without_hill = film(&scene, roughness, &Setup::new(EXTENT), &[Moment { ball: far_below, ..last_moment() }]);
+        let alone = film(&scene, roughness, &Setup::new(EXTENT), &[last_moment()]);
+        let shows_hill: Vec<bool> = without_hill[0].iter().zip(&alone[0]).map(|(a, b)| a != b).collect();
         let moved = film(&scene, roughness, &with_history(), &moments);
-        let [averaged, alone] = [moved.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &shows));
+        let [averaged, alone] = [moved.last().unwrap(), &alone[0]].map(|image| masked_rmse(truth, image, &shows_hill));
         println!(
             "roughness {roughness}, {} pixels: {averaged:.4} with a history, {alone:.4} without",
-            shows.iter().filter(|s| **s).count()
+            shows_hill.iter().filter(|shown| **shown).count()
         );
         assert!(averaged < 0.75 * alone, "roughness {roughness}: {averaged} with a history, {alone} without");
     }
@@ -263,19 +266,19 @@ fn a_mirror_that_moves_finds_what_it_showed() {
 #[test]
 fn a_curved_mirror_finds_what_it_showed() {
     let (scene, view) = rooms_without_bumps();
-    let (placed, centre, radius) = hill(&scene, &view);
+    let (hill, centre, radius) = hill(&scene, &view);
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
-    let moment = |n: u32| {
-        let aside = right * (0.05 * n.min(8) as f32 - 0.4);
+    let moment = |frame: u32| {
+        let aside = right * (0.05 * frame.min(8) as f32 - 0.4);
         let look_at = centre.with_y(centre.y + radius) + aside;
         let view = View { eye: view.eye + aside, look_at, ..view.clone() };
-        Moment { ball: placed, ..Moment::from_view(&view) }
+        Moment { ball: hill, ..Moment::from_view(&view) }
     };
     let moments: Vec<Moment> = (0..8 + 3 * AVERAGED).map(moment).collect();
     let camera = moments[8].view.camera(&scene, EXTENT);
     let scale = camera.view_to_clip().to_cols_array_2d();
-    // Whether a pixel shows the top of the hill: the ray through it meets the sphere near the top.
-    let is_on = |pixel: u32| {
+    // Returns true if a pixel shows the top of the hill: the ray through it meets the sphere near the top.
+    let shows_top = |pixel: u32| {
         let place = Vec2::new((pixel % EXTENT[0]) as f32, (pixel / EXTENT[0]) as f32) + 0.5;
         let ndc = (2.0 * place / Vec2::new(EXTENT[0] as f32, EXTENT[1] as f32) - 1.0) * Vec2::new(1.0, -1.0);
         let direction = Vec3::new(ndc.x / scale[0][0], ndc.y / scale[1][1], 1.0);
@@ -286,8 +289,8 @@ fn a_curved_mirror_finds_what_it_showed() {
             + (distance_to_closest - (radius * radius - miss_distance * miss_distance).max(0.0).sqrt()) * direction;
         distance_to_closest > 0.0 && miss_distance < radius && end.y > centre.y + radius - 0.25
     };
-    let mask: Vec<bool> = (0..EXTENT[0] * EXTENT[1]).map(is_on).collect();
-    assert!(mask.iter().filter(|m| **m).count() > 500, "too little of the hill is seen");
+    let mask: Vec<bool> = (0..EXTENT[0] * EXTENT[1]).map(shows_top).collect();
+    assert!(mask.iter().filter(|shown| **shown).count() > 500, "too little of the hill is seen");
     for roughness in [0.05, 0.1, 0.3] {
         let settled = film(&scene, roughness, &with_history(), &moments[8..]);
         let [alone, averaged] =

@@ -19,33 +19,33 @@ const WALL_Z: f32 = 6.0;
 /// The place of the camera, in metres.
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
 
-/// Returns a black mirror floor with a white wall on it, of a height in metres.
-fn floor_and_wall(height: f32) -> Scene {
-    let mut b = Builder::new("floor and white wall");
-    b.light(Vec3::Z);
-    let white = b.matt(Vec3::ONE);
-    b.quad(white, Vec3::new(-24.0, 0.0, WALL_Z), Vec3::X * 48.0, Vec3::Y * height, -Vec3::Z);
-    let mirror = b.mirror();
-    b.quad(mirror, Vec3::new(-24.0, 0.0, 0.0), Vec3::X * 48.0, Vec3::Z * WALL_Z, Vec3::Y);
-    b.0
+/// Returns a black mirror floor with a white wall on it.
+fn floor_and_wall(height_m: f32) -> Scene {
+    let mut builder = Builder::new("floor and white wall");
+    builder.light(Vec3::Z);
+    let white = builder.matt(Vec3::ONE);
+    builder.quad(white, Vec3::new(-24.0, 0.0, WALL_Z), Vec3::X * 48.0, Vec3::Y * height_m, -Vec3::Z);
+    let mirror = builder.mirror();
+    builder.quad(mirror, Vec3::new(-24.0, 0.0, 0.0), Vec3::X * 48.0, Vec3::Z * WALL_Z, Vec3::Y);
+    builder.0
 }
 
 /// Renders a scene by a method from an eye that looks along the z axis, with all intermediate images.
-fn shown(scene: &Scene, eye: Vec3, method: &str, setup: &Setup) -> Shown {
+fn render_from(scene: &Scene, eye: Vec3, method: &str, setup: &Setup) -> Shown {
     let gpu = gpu();
     let shown = show(&gpu, scene, camera(eye, eye + Vec3::Z, EXTENT), method, setup, &Globals::default());
     check_validation(&gpu).unwrap();
     shown
 }
 
-/// Returns the colours of an intermediate by its name.
+/// Returns the colours of the intermediate image with a name.
 fn colors(shown: &Shown, image: &str) -> Vec<Vec3> {
     shown.get(image).texels().map(Vec3::from_slice).collect()
 }
 
 /// Returns, for each pixel, whether it reflects.
 fn reflects(shown: &Shown) -> Vec<bool> {
-    shown.get("material").texels().map(|t| t[0] > 0.5).collect()
+    shown.get("material").texels().map(|texel| texel[0] > 0.5).collect()
 }
 
 /// Returns a setup without fade in which `unified` traces in a kind of shader.
@@ -68,9 +68,9 @@ fn the_foot_of_a_wall_is_not_mixed_with_the_floor() {
     for ((method, setup), height) in
         variants.iter().flat_map(|variant| [1.0, 1.1, 1.2, 1.3, 1.4].map(|height| (variant, height)))
     {
-        let shown = shown(&scene, Vec3::Y * height, method, setup);
+        let shown = render_from(&scene, Vec3::Y * height, method, setup);
         let (reflection, reflects) = (colors(&shown, "reflection"), reflects(&shown));
-        let wall = colors(&shown, "color").into_iter().map(|c| c.x).fold(0.0, f32::max);
+        let wall = colors(&shown, "color").into_iter().map(|color| color.x).fold(0.0, f32::max);
         let hits: Vec<f32> = (0..reflects.len()).filter(|i| reflects[*i]).map(|i| reflection[i].x / wall).collect();
         let seen = hits.iter().filter(|share| **share > 0.0).count();
         let mixed = hits.iter().filter(|share| **share > 0.0 && **share < 0.99).count();
@@ -84,7 +84,7 @@ fn the_foot_of_a_wall_is_not_mixed_with_the_floor() {
 fn a_ray_that_goes_on_for_ever_shows_the_sky_of_the_screen() {
     let [width, height] = EXTENT;
     for method in ["unified", "dda"] {
-        let shown = shown(&floor_and_wall(1.0), EYE, method, &unfaded(EXTENT));
+        let shown = render_from(&floor_and_wall(1.0), EYE, method, &unfaded(EXTENT));
         let (reflection, reflects, color) = (colors(&shown, "reflection"), reflects(&shown), colors(&shown, "color"));
         let depth: Vec<f32> = shown.get("depth").values.clone();
         let mut compared = 0;
@@ -127,16 +127,16 @@ fn a_mirror_shows_what_the_reference_shows_where_its_ray_hits() {
         let Outcome::Hit { pixel: [i, j], position } = hierarchy.trace(x, y).outcome else { continue };
         // Hits beside sky are left out, since the reference shows the sky there as the camera sees it.
         let around = [-0.5, 0.5].map(|step| [position.x + step, position.y + step]);
-        let clamped = |v: f64, side: u32| (v.max(0.0) as u32).min(side - 1);
-        let [low, high] = around.map(|[x, y]| [clamped(x, extent[0]), clamped(y, extent[1])]);
+        let clamp = |coordinate: f64, side: u32| (coordinate.max(0.0) as u32).min(side - 1);
+        let [low, high] = around.map(|[x, y]| [clamp(x, extent[0]), clamp(y, extent[1])]);
         if [low, [high[0], low[1]], [low[0], high[1]], high].iter().any(|[x, y]| data.depth[data.index(*x, *y)] <= 0.0)
         {
             continue;
         }
         let ray = rays.position(x, y).zip(rays.normal(x, y));
         let ray = ray.map(|(point, normal)| ReflectedRay { point, normal, direction });
-        let towards = view_to_world.transform_vector3(direction);
-        let expected = colors.shown(data.index(i, j), [position.x, position.y], towards, ray);
+        let world_direction = view_to_world.transform_vector3(direction);
+        let expected = colors.shown(data.index(i, j), [position.x, position.y], world_direction, ray);
         let found = reflection.texel(x, y);
         let found = DVec3::new(f64::from(found[0]), f64::from(found[1]), f64::from(found[2]));
         hits += 1;

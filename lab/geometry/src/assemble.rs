@@ -55,23 +55,22 @@ pub fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize
         let mut chunks = Vec::new();
         split_in_space(&mut triangles, &mut chunks);
         let count = chunks.len();
-        let names = (1..).map(|i| if count == 1 { name.clone() } else { format!("{name} {i}/{count}") });
+        let names = (1..).map(|number| if count == 1 { name.clone() } else { format!("{name} {number}/{count}") });
         names.zip(chunks).map(|(name, chunk)| weld(name, material, chunk)).collect::<Vec<_>>()
     };
     parts.into_par_iter().flat_map_iter(meshes_of_part).collect()
 }
 
-/// Merges all parts that have the same material and the same `has_tangents` into one part, which keeps the name of the
-/// first of them.
+/// Merges the parts that agree in material and in `has_tangents` into one part, which has the name of the first one.
 fn pool_by_material(parts: Vec<MeshPart>) -> Vec<MeshPart> {
     let mut pooled: Vec<MeshPart> = Vec::new();
     // The index in `pooled` for each pair of material and `has_tangents`.
-    let mut index_of: HashMap<(usize, bool), usize> = HashMap::new();
+    let mut index_of_pool: HashMap<(usize, bool), usize> = HashMap::new();
     for part in parts {
-        match index_of.get(&(part.material, part.has_tangents)) {
+        match index_of_pool.get(&(part.material, part.has_tangents)) {
             Some(&index) => pooled[index].triangles.extend(part.triangles),
             None => {
-                index_of.insert((part.material, part.has_tangents), pooled.len());
+                index_of_pool.insert((part.material, part.has_tangents), pooled.len());
                 pooled.push(part);
             }
         }
@@ -91,7 +90,7 @@ fn split_in_space<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Trian
     let (min, max) = triangles
         .iter()
         .map(thrice_centre)
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), centre| (min.min(centre), max.max(centre)));
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), point| (min.min(point), max.max(point)));
     let axis = (max - min).max_position();
     let middle = triangles.len() / 2;
     triangles.select_nth_unstable_by(middle, |a, b| thrice_centre(a)[axis].total_cmp(&thrice_centre(b)[axis]));
@@ -103,15 +102,15 @@ fn split_in_space<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Trian
 /// Makes an indexed mesh in which vertices that are equal bit by bit are stored once.
 fn weld(name: String, material: usize, triangles: &[Triangle]) -> Mesh {
     // The index in `vertices` for the bits of the twelve numbers of a vertex.
-    let mut index_of: HashMap<[u32; 12], u32> = HashMap::with_capacity(triangles.len());
+    let mut index_of_vertex: HashMap<[u32; 12], u32> = HashMap::with_capacity(triangles.len());
     let mut vertices = Vec::new();
     let mut indices = Vec::with_capacity(3 * triangles.len());
     for &vertex in triangles.iter().flatten() {
         // A chunk has at most 3 · MAX_TRIANGLES vertices, far fewer than 2³².
-        let next = vertices.len() as u32;
-        let index = *index_of.entry(bytemuck::cast(vertex)).or_insert_with(|| {
+        let new_index = vertices.len() as u32;
+        let index = *index_of_vertex.entry(bytemuck::cast(vertex)).or_insert_with(|| {
             vertices.push(vertex);
-            next
+            new_index
         });
         indices.push(index);
     }

@@ -9,25 +9,29 @@ use std::path::Path;
 /// and a PNG with one bit per texel unpacks to eight times as much. A file that claims more is a decompression bomb.
 pub const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
 
-/// Reads a regular file of at most `most` bytes, and returns them. `what` names the expected content in errors, as in
-/// "a scene file". The call fails for a larger file, and for anything that is not a regular file.
-pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
-    let unreadable = |e| Error::io("read", path, e);
+/// Reads a regular file of at most `most_bytes` bytes, and returns its content. `content_name` names the expected
+/// content in errors, as in "a scene file". The call fails for a larger file, and for all but regular files.
+pub fn read(path: &Path, content_name: &str, most_bytes: u64) -> Result<Vec<u8>> {
+    let unreadable = |error| Error::io("read", path, error);
     // Reading a device may never end, and opening a named pipe waits for a writer.
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
     if !metadata.is_file() {
-        return Err(Error::malformed(path, None, format!("is no file; {what} is read from a regular file alone")));
+        return Err(Error::malformed(
+            path,
+            None,
+            format!("is no file; {content_name} is read from a regular file alone"),
+        ));
     }
     let file = std::fs::File::open(path).map_err(unreadable)?;
     let length = metadata.len();
     let mut bytes = Vec::new();
-    if length <= most {
+    if length <= most_bytes {
         // One byte more than allowed is read, so that a file that grew after its length was taken is noticed.
-        file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        file.take(most_bytes + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     }
     let length = length.max(bytes.len() as u64);
-    if length > most {
-        let message = format!("{what} of {length} bytes is too large; at most {most} bytes are read");
+    if length > most_bytes {
+        let message = format!("{content_name} of {length} bytes is too large; at most {most_bytes} bytes are read");
         return Err(Error::malformed(path, None, message));
     }
     Ok(bytes)
@@ -36,19 +40,19 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
 /// Returns a name from a file in the form for messages: at most 80 characters of it, with � for each control character,
 /// which a terminal might obey.
 pub fn printable_name(name: &str) -> String {
-    const MOST: usize = 80;
-    let safe = |letter: char| if letter.is_control() { '\u{fffd}' } else { letter };
-    let mut shown: String = name.chars().take(MOST).map(safe).collect();
-    if name.chars().nth(MOST).is_some() {
+    const MOST_CHARACTERS: usize = 80;
+    let without_control = |letter: char| if letter.is_control() { '\u{fffd}' } else { letter };
+    let mut shown: String = name.chars().take(MOST_CHARACTERS).map(without_control).collect();
+    if name.chars().nth(MOST_CHARACTERS).is_some() {
         shown.push('…');
     }
     shown
 }
 
 /// Returns true if a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however
-/// short, may unpack to `free` bytes.
-pub fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
-    unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
+/// short, may unpack to `always_allowed` bytes.
+pub fn may_unpack(length: usize, unpacked: u64, always_allowed: u64) -> bool {
+    unpacked <= always_allowed.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
 }
 
 /// Makes a progress bar over the images of a scene, of which `images` is the number. The bar is hidden for few images,

@@ -43,7 +43,7 @@ pub struct TriangleHit {
     pub barycentrics: [f64; 3],
 }
 
-/// An algorithm that finds the closest hit of a ray.
+/// An algorithm that finds the closest hit of a ray among triangles.
 pub trait Intersector: Send + Sync {
     /// Returns the closest hit with t_min ≤ t ≤ t_max that `accept` accepts. The ray passes through all other hits, as
     /// through the holes of an alpha mask.
@@ -130,6 +130,7 @@ fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
 }
 
 impl Intersector for TriangleBvh {
+    /// Walks through the hierarchy, and tests the triangles of the boxes that the ray meets.
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
         // An empty scene returns before anything is computed, since its rays may begin anywhere, even at infinity.
         let boxes = self.boxes.as_ref()?;
@@ -137,7 +138,7 @@ impl Intersector for TriangleBvh {
         let mut closest: Option<TriangleHit> = None;
         // Tests one triangle, and keeps it in `closest` if it is hit. The result is the distance of the hit, rounded
         // up, beyond which the traversal skips boxes, or infinity for no hit.
-        let mut test = |triangle: u32| {
+        let mut test_triangle = |triangle: u32| {
             let farthest = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
                 // The lower index wins between equally close triangles, so that the order of the boxes does not matter.
@@ -155,28 +156,33 @@ impl Intersector for TriangleBvh {
         let box_ray = box_ray(ray, self.middle);
         match boxes {
             Boxes::Wide(boxes) => {
-                boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test(boxes.primitive_indices[slot]))
+                boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test_triangle(boxes.primitive_indices[slot]))
             }
             Boxes::Binary(boxes) => {
-                boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test(boxes.primitive_indices[slot]))
+                boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test_triangle(boxes.primitive_indices[slot]))
             }
         };
         closest
     }
 
+    /// Walks as [`Intersector::closest`] does, and ends at the first hit that counts.
     fn any(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> bool {
         let Some(boxes) = &self.boxes else { return false };
         let sheared = ShearedRay::new(ray);
         let mut box_ray = box_ray(ray, self.middle);
         box_ray.tmax = (ray.t_max as f32).next_up();
         // The traversal ends at the first result below `tmax`, so minus infinity for a hit ends it at once.
-        let test = |triangle: u32| match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
+        let test_triangle = |triangle: u32| match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
             Some(hit) if (ray.t_min..=ray.t_max).contains(&hit.t) && accept(&hit) => f32::NEG_INFINITY,
             _ => f32::INFINITY,
         };
         let missed = match boxes {
-            Boxes::Wide(boxes) => boxes.ray_traverse_miss(box_ray, |_, slot| test(boxes.primitive_indices[slot])),
-            Boxes::Binary(boxes) => boxes.ray_traverse_miss(box_ray, |_, slot| test(boxes.primitive_indices[slot])),
+            Boxes::Wide(boxes) => {
+                boxes.ray_traverse_miss(box_ray, |_, slot| test_triangle(boxes.primitive_indices[slot]))
+            }
+            Boxes::Binary(boxes) => {
+                boxes.ray_traverse_miss(box_ray, |_, slot| test_triangle(boxes.primitive_indices[slot]))
+            }
         };
         !missed
     }
@@ -240,25 +246,27 @@ mod tests {
     use super::*;
     use ssct_ground::math::random::Stream;
 
-    /// Finds the closest hit by testing every triangle.
+    /// Finds the closest hit by testing every triangle, given by its corners.
     struct BruteForce(Vec<[Vec3; 3]>);
 
     impl Intersector for BruteForce {
         fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
             let sheared = ShearedRay::new(ray);
-            let hits = self.0.iter().enumerate().filter_map(|(i, t)| sheared.intersect(i as u32, t));
-            hits.filter(|h| (ray.t_min..=ray.t_max).contains(&h.t) && accept(h)).min_by(|a, b| a.t.total_cmp(&b.t))
+            let triangles = self.0.iter().enumerate();
+            let hits = triangles.filter_map(|(index, corners)| sheared.intersect(index as u32, corners));
+            let counts = |hit: &TriangleHit| (ray.t_min..=ray.t_max).contains(&hit.t) && accept(hit);
+            hits.filter(counts).min_by(|a, b| a.t.total_cmp(&b.t))
         }
     }
 
     /// A random number in −1…1; `i` and `j` choose it.
-    fn signed(i: u64, j: u64) -> f64 {
+    fn random_signed(i: u64, j: u64) -> f64 {
         2.0 * Stream::new(7, i).uniform(j) - 1.0
     }
 
     /// A random vector whose components lie in −1…1; `i` and `j` choose it.
-    fn vector(i: u64, j: u64) -> DVec3 {
-        DVec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
+    fn random_vector(i: u64, j: u64) -> DVec3 {
+        DVec3::new(random_signed(i, 3 * j), random_signed(i, 3 * j + 1), random_signed(i, 3 * j + 2))
     }
 
     /// A ray whose hits count at any distance from 0 on.
@@ -277,7 +285,7 @@ mod tests {
         let brute = BruteForce(triangles);
         let mut hits = 0;
         for i in 0..200 {
-            let ray = ray(3.0 * vector(i, 0), vector(i, 1));
+            let ray = ray(3.0 * random_vector(i, 0), random_vector(i, 1));
             let expected = brute.closest(&ray, &|_| true).map(|h| h.t);
             assert_eq!(bvh.closest(&ray, &|_| true).map(|h| h.t), expected);
             assert_eq!(bvh.any(&ray, &|_| true), expected.is_some());
@@ -294,9 +302,9 @@ mod tests {
         let mut triangles: Vec<[Vec3; 3]> = (0..5000).map(point).collect();
         triangles.push([Vec3::ZERO, Vec3::X, Vec3::Y]);
         let bvh = TriangleBvh::new(triangles);
-        let towards = ray(DVec3::new(0.2, 0.2, -1.0), DVec3::Z);
-        assert_eq!(bvh.closest(&towards, &|_| true).map(|h| h.triangle), Some(5000));
-        assert!(TriangleBvh::new((0..9).map(point).collect()).closest(&towards, &|_| true).is_none());
+        let towards_triangle = ray(DVec3::new(0.2, 0.2, -1.0), DVec3::Z);
+        assert_eq!(bvh.closest(&towards_triangle, &|_| true).map(|h| h.triangle), Some(5000));
+        assert!(TriangleBvh::new((0..9).map(point).collect()).closest(&towards_triangle, &|_| true).is_none());
     }
 
     /// Compares the hits of 3000 random rays in 400 random triangles, of which all count or those with odd indices.
@@ -304,27 +312,28 @@ mod tests {
     fn the_hierarchy_agrees_with_brute_force() {
         let triangles: Vec<[Vec3; 3]> = (0..400)
             .map(|i| {
-                let centre = 5.0 * vector(i, 0);
-                [1, 2, 3].map(|corner| (centre + vector(i, corner)).as_vec3())
+                let centre = 5.0 * random_vector(i, 0);
+                [1, 2, 3].map(|corner| (centre + random_vector(i, corner)).as_vec3())
             })
             .collect();
         let brute = BruteForce(triangles.clone());
         let bvh = TriangleBvh::new(triangles);
         let mut hits = 0;
         for i in 1000..4000 {
-            let mut ray = ray(6.0 * vector(i, 0), vector(i, 1));
-            ray.t_min = signed(i, 9).abs();
-            let odd = |h: &TriangleHit| h.triangle % 2 == 1;
+            let mut ray = ray(6.0 * random_vector(i, 0), random_vector(i, 1));
+            ray.t_min = random_signed(i, 9).abs();
+            let is_odd = |hit: &TriangleHit| hit.triangle % 2 == 1;
             assert_eq!(bvh.closest(&ray, &|_| true), brute.closest(&ray, &|_| true));
-            assert_eq!(bvh.closest(&ray, &odd), brute.closest(&ray, &odd));
+            assert_eq!(bvh.closest(&ray, &is_odd), brute.closest(&ray, &is_odd));
             ray.t_max = 4.0;
-            assert_eq!(bvh.any(&ray, &odd), brute.any(&ray, &odd));
+            assert_eq!(bvh.any(&ray, &is_odd), brute.any(&ray, &is_odd));
             ray.t_max = f64::INFINITY;
             hits += u32::from(bvh.closest(&ray, &|_| true).is_some());
         }
         assert!((500..2900).contains(&hits), "{hits} of 3000 hit, so both outcomes are tested");
     }
 
+    /// Rays along z hit a flat wall wherever they meet it, also on the edges and corners of its triangles.
     #[test]
     fn axis_parallel_rays_hit_flat_walls_edges_and_corners() {
         // A wall of 4 × 4 squares at z = 3; every ray along z through a grid point hits it.
@@ -366,8 +375,8 @@ mod tests {
         };
         let bvh = TriangleBvh::new((0..7).map(|k| [Vec3::ZERO, rim(k), rim(k + 1)]).collect());
         for i in 0..5000_u64 {
-            let target = rim((i % 7) as u32).as_dvec3() * signed(i, 0).abs() * 0.999;
-            let origin = DVec3::new(signed(i, 1), signed(i, 2), 2.0);
+            let target = rim((i % 7) as u32).as_dvec3() * random_signed(i, 0).abs() * 0.999;
+            let origin = DVec3::new(random_signed(i, 1), random_signed(i, 2), 2.0);
             assert!(bvh.closest(&ray(origin, target - origin), &|_| true).is_some(), "ray {i}");
         }
     }

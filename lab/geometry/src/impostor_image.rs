@@ -29,8 +29,8 @@ pub struct ImpostorFrame {
 /// Adds an impostor with its image to the scene. The image shows the meshes whose names `meshes` lists, seen along the
 /// rectangle's normal.
 pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
-    let ratio = frame.half_up.length() / frame.half_right.length();
-    let extent = [frame.width, ((frame.width as f32 * ratio).round() as u32).max(1)];
+    let height_over_width = frame.half_up.length() / frame.half_right.length();
+    let extent = [frame.width, ((frame.width as f32 * height_over_width).round() as u32).max(1)];
     let mut impostor = Impostor {
         name: frame.name.to_owned(),
         centre: frame.centre,
@@ -38,8 +38,9 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
         half_v: -frame.half_up,
         texture: scene.textures.len(),
     };
-    let shown: Vec<&Mesh> = scene.meshes.iter().filter(|m| meshes.contains(&m.name.as_str())).collect();
-    let samples = ImpostorCanvas::new(scene, &impostor, extent.map(|n| n * OVERSAMPLED)).draw_samples(&shown);
+    let shown_meshes: Vec<&Mesh> = scene.meshes.iter().filter(|m| meshes.contains(&m.name.as_str())).collect();
+    let samples =
+        ImpostorCanvas::new(scene, &impostor, extent.map(|texels| texels * OVERSAMPLED)).draw_samples(&shown_meshes);
     let texture = Texture {
         name: format!("impostor {}", frame.name),
         width: extent[0],
@@ -105,7 +106,7 @@ impl<'a> ImpostorCanvas<'a> {
     fn draw_samples(&self, meshes: &[&Mesh]) -> Vec<Option<Vec3>> {
         let triangles: Vec<PlacedTriangle> = meshes
             .iter()
-            .flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |t| self.place_triangle(mesh, t)))
+            .flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |indices| self.place_triangle(mesh, indices)))
             .filter(|triangle| triangle.area.abs() >= 1e-9)
             .collect();
         let colors_of_row = |y: u32| {
@@ -115,7 +116,7 @@ impl<'a> ImpostorCanvas<'a> {
                 let top = triangle.places.iter().fold(f32::INFINITY, |least, place| least.min(place.y));
                 let bottom = triangle.places.iter().fold(f32::NEG_INFINITY, |most, place| most.max(place.y));
                 if top <= middle && middle <= bottom {
-                    self.draw(&mut row, middle, triangle);
+                    self.draw_in_row(&mut row, middle, triangle);
                 }
             }
             row.into_iter().map(|highest| highest.map(|highest| self.color(&highest))).collect::<Vec<_>>()
@@ -134,6 +135,7 @@ impl<'a> ImpostorCanvas<'a> {
     /// Returns the column and row of a point in world space, in samples, and its height above the rectangle, in metres.
     fn place_point(&self, point: Vec3) -> Vec3 {
         let offset = point - self.impostor.centre;
+        // The position along one side of the rectangle, which has `count` samples; the centre is at half of them.
         let along = |half: Vec3, count: u32| (0.5 + 0.5 * offset.dot(half) / half.length_squared()) * count as f32;
         Vec3::new(
             along(self.impostor.half_u, self.size[0]),
@@ -144,7 +146,7 @@ impl<'a> ImpostorCanvas<'a> {
 
     /// Draws the part of a triangle that lies in one row: each sample that it covers gets it if it is the highest so
     /// far. `middle` is the middle of the row, in samples from the top.
-    fn draw<'t>(&self, row: &mut [Option<HighestTriangle<'t>>], middle: f32, triangle: &'t PlacedTriangle<'t>) {
+    fn draw_in_row<'t>(&self, row: &mut [Option<HighestTriangle<'t>>], middle: f32, triangle: &'t PlacedTriangle<'t>) {
         let places = &triangle.places;
         let [a, b, c] = places.map(|p| p.truncate());
         let left = a.x.min(b.x).min(c.x).floor().max(0.0) as usize;
@@ -177,7 +179,8 @@ impl<'a> ImpostorCanvas<'a> {
         // The side of the square in texture coordinates whose area is that of one sample.
         let footprint = ((b - a).perp_dot(c - a) / triangle.area).abs().sqrt();
         let uv = triangle.uv(*weights);
-        let image = material.albedo_map.map_or(Vec3::ONE, |t| self.average(&self.scene.textures[t], uv, footprint));
+        let albedo_map = material.albedo_map.map(|index| &self.scene.textures[index]);
+        let map_color = albedo_map.map_or(Vec3::ONE, |map| self.average(map, uv, footprint));
         let position = triangle.mix(*weights, |v| Vec3::from(v.position));
         let normal = triangle.mix(*weights, |v| Vec3::from(v.normal)).normalize_or(self.normal);
         let towards_viewer = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
@@ -189,28 +192,30 @@ impl<'a> ImpostorCanvas<'a> {
                 break;
             }
         }
-        material.albedo * image * (0.2 + 0.8 * shading.min(1.0))
+        // A fifth of the light is ambient (docs/definitions.md, "Surfaces").
+        material.albedo * map_color * (0.2 + 0.8 * shading.min(1.0))
     }
 
     /// Returns the mean colour of an image over a square around `uv` with sides of `footprint`, both in texture coordinates,
     /// from at most [`FOOTPRINT_MAX`]² texels. The image repeats, and its values come decoded: linear and from 0 to 1.
     fn average(&self, texture: &Texture, uv: Vec2, footprint: f32) -> Vec3 {
         let size = Vec2::new(texture.width as f32, texture.height as f32);
+        // The number of texels along each side of the square.
         let count = (footprint * size.max_element()).round().clamp(1.0, FOOTPRINT_MAX) as i32;
         let corner = uv * size - 0.5 * (count - 1) as f32;
         let (width, height) = (texture.width as i32, texture.height as i32);
         let first = [(corner.x.floor() as i32).rem_euclid(width), (corner.y.floor() as i32).rem_euclid(height)];
         // Most texels lie inside the image and need no division, which would take longer than the rest.
-        let wrapped = |texel: i32, size: i32| if texel < size { texel } else { texel % size };
+        let wrap = |texel: i32, size: i32| if texel < size { texel } else { texel % size };
         let decoded = match texture.encoding {
             Encoding::Srgb => &self.srgb_values,
             Encoding::Linear => &self.linear_values,
         };
         let mut sum = Vec3::ZERO;
         for y in 0..count {
-            let row = (wrapped(first[1] + y, height) * width) as usize;
+            let row = (wrap(first[1] + y, height) * width) as usize;
             for x in 0..count {
-                let texel = 4 * (row + wrapped(first[0] + x, width) as usize);
+                let texel = 4 * (row + wrap(first[0] + x, width) as usize);
                 if let [r, g, b] = texture.rgba[texel..texel + 3] {
                     sum += Vec3::new(decoded[usize::from(r)], decoded[usize::from(g)], decoded[usize::from(b)]);
                 }
@@ -237,7 +242,7 @@ impl PlacedTriangle<'_> {
 /// the image, so that filtering adds no dark seam.
 fn downsample(samples: &[Option<Vec3>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
-    // The sum of the colours of the covered samples of a texel, and their number as the fourth component.
+    // Sums the colours of the covered samples of a texel; the fourth component is the number of these samples.
     let texel_sum = |x: u32, y: u32| {
         let mut sum = Vec4::ZERO;
         for k in 0..OVERSAMPLED * OVERSAMPLED {

@@ -233,10 +233,11 @@ pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
 /// Generates the albedo image and the normal map of a pattern, each of [`SIZE`] × [`SIZE`] texels.
 pub fn images(pattern: Pattern) -> (Texture, Texture) {
     let design = pattern.design();
-    let samples: Vec<Sample> = (0..SIZE * SIZE).into_par_iter().map(|k| design(Texel::new(k, [SIZE, SIZE]))).collect();
-    let albedo = image_bytes([SIZE, SIZE], |k| srgba(samples[k as usize].albedo));
+    let samples: Vec<Sample> =
+        (0..SIZE * SIZE).into_par_iter().map(|index| design(Texel::new(index, [SIZE, SIZE]))).collect();
+    let albedo = image_bytes([SIZE, SIZE], |index| srgba(samples[index as usize].albedo));
     let texel_m = pattern.size_m() / SIZE as f32;
-    let normal = image_bytes([SIZE, SIZE], |k| rgba(normal_at(&samples, k, texel_m) * 0.5 + 0.5));
+    let normal = image_bytes([SIZE, SIZE], |index| rgba(normal_at(&samples, index, texel_m) * 0.5 + 0.5));
     let texture = |kind: &str, rgba, encoding| Texture {
         name: format!("generated {} {kind}", pattern.label()),
         width: SIZE,
@@ -271,50 +272,49 @@ pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
     (colour, mask)
 }
 
-/// Makes an image of `width` × `height` texels by evaluating the function `texel`, which returns RGBA bytes, at each of
-/// them.
+/// Makes an image of `width` × `height` texels; `texel_bytes` returns the RGBA bytes of each of them.
 fn image(
     name: String,
     [width, height]: [u32; 2],
     encoding: Encoding,
-    texel: impl Fn(Texel) -> [u8; 4] + Sync,
+    texel_bytes: impl Fn(Texel) -> [u8; 4] + Sync,
 ) -> Texture {
-    let rgba = image_bytes([width, height], |k| texel(Texel::new(k, [width, height])));
+    let rgba = image_bytes([width, height], |index| texel_bytes(Texel::new(index, [width, height])));
     Texture { name, width, height, rgba, encoding }
 }
 
-/// The bytes of an image, row by row; `texel` returns those of texel `k`.
-fn image_bytes([width, height]: [u32; 2], texel: impl Fn(u32) -> [u8; 4] + Sync) -> Vec<u8> {
+/// Makes the bytes of an image, row by row; `texel_bytes` returns the RGBA bytes of the texel with a number.
+fn image_bytes([width, height]: [u32; 2], texel_bytes: impl Fn(u32) -> [u8; 4] + Sync) -> Vec<u8> {
     let mut rgba = vec![0; 4 * (width * height) as usize];
     let texels = rgba.par_chunks_exact_mut(4).zip(0..width * height);
-    texels.for_each(|(bytes, k)| bytes.copy_from_slice(&texel(k)));
+    texels.for_each(|(bytes, index)| bytes.copy_from_slice(&texel_bytes(index)));
     rgba
 }
 
-/// Returns the unit normal at texel `k` (counted row by row) of a relief, with x to the right, y up and z out. It comes
-/// from central differences, which wrap at the border. `texel_m` is the width of a texel in metres.
-fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
-    let (x, y) = (k % SIZE, k / SIZE);
+/// Returns the unit normal of a relief at the texel `index` (counted row by row), with x to the right, y up and z out.
+/// It comes from central differences, which wrap at the border. `texel_m` is the width of a texel in metres.
+fn normal_at(samples: &[Sample], index: u32, texel_m: f32) -> Vec3 {
+    let (x, y) = (index % SIZE, index / SIZE);
     let height = |x: u32, y: u32| samples[((y % SIZE) * SIZE + x % SIZE) as usize].height_m;
     let rightward = height(x + 1, y) - height(x + SIZE - 1, y);
     let downward = height(x, y + 1) - height(x, y + SIZE - 1);
     Vec3::new(-rightward, downward, 2.0 * texel_m).normalize()
 }
 
-/// Makes the bytes of an opaque texel from three numbers from 0 to 1, which are not encoded.
+/// Makes the bytes of an opaque texel from three numbers between 0 and 1, without encoding them as sRGB.
 fn rgba(colour: Vec3) -> [u8; 4] {
     [byte(colour.x), byte(colour.y), byte(colour.z), 255]
 }
 
-/// Makes the bytes of an opaque texel from a linear colour, which is encoded as sRGB.
+/// Makes the bytes of an opaque texel from a linear colour, and encodes them as sRGB.
 fn srgba(colour: Vec3) -> [u8; 4] {
     [display_byte(colour.x), display_byte(colour.y), display_byte(colour.z), 255]
 }
 
 /// Converts a number from 0 to 1 to the nearest byte from 0 to 255.
-fn byte(x: f32) -> u8 {
+fn byte(value: f32) -> u8 {
     // The code avoids `f32::round`, since that is a call on processors that may lack SSE 4.1.
-    let scaled = x.clamp(0.0, 1.0) * 255.0;
+    let scaled = value.clamp(0.0, 1.0) * 255.0;
     let below = scaled as u8;
     below + u8::from(scaled - f32::from(below) >= 0.5)
 }
@@ -325,7 +325,7 @@ mod tests {
     use super::*;
     use std::sync::LazyLock;
 
-    const ALL: [Pattern; 17] = [
+    const ALL_PATTERNS: [Pattern; 17] = [
         Pattern::Stones,
         Pattern::Tiles,
         Pattern::Slabs,
@@ -347,7 +347,8 @@ mod tests {
 
     /// Every pattern with its two images, generated once for all tests.
     static IMAGES: LazyLock<Vec<(Pattern, Texture, Texture)>> = LazyLock::new(|| {
-        ALL.into_iter()
+        ALL_PATTERNS
+            .into_iter()
             .map(|pattern| {
                 let (albedo, normal) = images(pattern);
                 (pattern, albedo, normal)
@@ -355,19 +356,21 @@ mod tests {
             .collect()
     });
 
+    /// At 400 texels, each pattern has the same height and albedo if it is shifted by one image.
     #[test]
     fn every_pattern_has_period_one() {
-        for pattern in ALL {
+        for pattern in ALL_PATTERNS {
             let design = pattern.design();
             // Noise is looked up by the index of a texel, which a shift by a period does not change. The noise itself
             // repeats (ssct_ground::math::noise).
-            for texel in (0..400).map(|k| Texel::new(k * 655 + k % 97, [SIZE, SIZE])) {
-                let here = design(texel);
+            for texel in (0..400).map(|i| Texel::new(i * 655 + i % 97, [SIZE, SIZE])) {
+                let sample = design(texel);
                 for period in [Vec2::X, Vec2::Y] {
-                    let there = design(Texel { uv: texel.uv + period, ..texel });
+                    let shifted = design(Texel { uv: texel.uv + period, ..texel });
                     assert!(
-                        (here.height_m - there.height_m).abs() < 1e-4 && here.albedo.abs_diff_eq(there.albedo, 5e-3),
-                        "{pattern:?} at {}: {here:?} and {there:?}",
+                        (sample.height_m - shifted.height_m).abs() < 1e-4
+                            && sample.albedo.abs_diff_eq(shifted.albedo, 5e-3),
+                        "{pattern:?} at {}: {sample:?} and {shifted:?}",
                         texel.uv
                     );
                 }
@@ -375,17 +378,20 @@ mod tests {
         }
     }
 
+    /// Across the border, columns and rows differ at most 1.5 times as much as neighbours inside an image.
     #[test]
     fn images_are_as_continuous_across_their_borders_as_inside() {
         // The sum of the differences of red, green and blue between two texels.
-        let step = |image: &Texture, a: [u32; 2], b: [u32; 2]| -> f32 {
+        let difference = |image: &Texture, a: [u32; 2], b: [u32; 2]| -> f32 {
             let texel = |[x, y]: [u32; 2]| &image.rgba[((y * SIZE + x) * 4) as usize..][..3];
             texel(a).iter().zip(texel(b)).map(|(&value_a, &value_b)| f32::from(value_a.abs_diff(value_b))).sum()
         };
         for (_, albedo, normal) in IMAGES.iter() {
             for image in [albedo, normal] {
-                let between_columns = |x: u32| (0..SIZE).map(|y| step(image, [x, y], [(x + 1) % SIZE, y])).sum::<f32>();
-                let between_rows = |y: u32| (0..SIZE).map(|x| step(image, [x, y], [x, (y + 1) % SIZE])).sum::<f32>();
+                let between_columns =
+                    |x: u32| (0..SIZE).map(|y| difference(image, [x, y], [(x + 1) % SIZE, y])).sum::<f32>();
+                let between_rows =
+                    |y: u32| (0..SIZE).map(|x| difference(image, [x, y], [x, (y + 1) % SIZE])).sum::<f32>();
                 let greatest = |sums: &dyn Fn(u32) -> f32| (0..SIZE - 1).map(sums).fold(0.0, f32::max);
                 assert!(between_columns(SIZE - 1) <= 1.5 * greatest(&between_columns), "{image:?}");
                 assert!(between_rows(SIZE - 1) <= 1.5 * greatest(&between_rows), "{image:?}");
@@ -393,6 +399,7 @@ mod tests {
         }
     }
 
+    /// No colour is nearly white, the mean green is medium, and normals are unit vectors that mostly point out.
     #[test]
     fn colours_are_mid_toned_and_normals_are_unit_and_mostly_straight() {
         for (pattern, albedo, normal) in IMAGES.iter() {
@@ -403,9 +410,9 @@ mod tests {
             assert!((40.0..190.0).contains(&mean), "{pattern:?}: mean green {mean}");
             let mut sum_of_z = 0.0;
             for texel in normal.rgba.chunks(4) {
-                let n = Vec3::new(f32::from(texel[0]), f32::from(texel[1]), f32::from(texel[2])) / 127.5 - 1.0;
-                assert!((n.length() - 1.0).abs() < 0.02 && n.z > 0.1, "{pattern:?}: {n}");
-                sum_of_z += n.z;
+                let decoded = Vec3::new(f32::from(texel[0]), f32::from(texel[1]), f32::from(texel[2])) / 127.5 - 1.0;
+                assert!((decoded.length() - 1.0).abs() < 0.02 && decoded.z > 0.1, "{pattern:?}: {decoded}");
+                sum_of_z += decoded.z;
             }
             assert!(sum_of_z / texels > 0.85, "{pattern:?}: mean z {}", sum_of_z / texels);
         }

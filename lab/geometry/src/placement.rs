@@ -101,17 +101,17 @@ pub fn place(scene: &Scene, wanted: WantedCaptures) -> Placement {
     }
     search.placement.from_file = from_file;
     if from_file < most {
-        let base = scene.captures.first().copied().unwrap_or(Capture::placed_at(Vec3::ZERO));
-        search.run(base, &space::candidates(&stands), most, least_gain);
+        let template = scene.captures.first().copied().unwrap_or(Capture::placed_at(Vec3::ZERO));
+        search.run(template, &space::candidates(&stands), most, least_gain);
     }
     search.placement
 }
 
-/// Copies what decides where captures are placed: meshes, materials, lights and the texels of alpha masks. All other
-/// textures become a single texel, so that the copy is small.
+/// Copies the parts of a scene that decide where captures are placed: meshes, materials, lights and the texels of alpha
+/// masks. All other textures become a single texel, so that the copy is small.
 fn placement_scene(scene: &Scene) -> Scene {
     let masks: Vec<usize> = scene.materials.iter().filter_map(|m| m.alpha_mask).collect();
-    let reduced = |(index, texture): (usize, &Texture)| {
+    let reduce = |(index, texture): (usize, &Texture)| {
         if masks.contains(&index) {
             texture.clone()
         } else {
@@ -122,7 +122,7 @@ fn placement_scene(scene: &Scene) -> Scene {
         name: scene.name.clone(),
         meshes: scene.meshes.clone(),
         materials: scene.materials.clone(),
-        textures: scene.textures.iter().enumerate().map(reduced).collect(),
+        textures: scene.textures.iter().enumerate().map(reduce).collect(),
         lights: scene.lights.clone(),
         ..Scene::default()
     }
@@ -140,17 +140,18 @@ struct CaptureSearch<'a> {
 }
 
 impl CaptureSearch<'_> {
-    /// Adds captures like `base` at the candidate with the greatest gain, one after another. The search ends with
-    /// `most` captures, or when the gain is below `least_gain`, as a share of all ends, or is 0.
-    fn run(&mut self, base: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
-        let mut shares: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.shown_shares(c.position)).collect();
+    /// Adds copies of the capture `template` at the candidates with the greatest gains, one after another. The search
+    /// ends with `most` captures, or when the gain is below `least_gain`, as a share of all ends, or is 0.
+    fn run(&mut self, template: Capture, candidates: &[space::Candidate], most: usize, least_gain: f32) {
+        let mut shares_of_candidates: Vec<Vec<f32>> =
+            candidates.par_iter().map(|c| self.shown_shares(c.position)).collect();
         while self.placement.captures.len() < most {
-            let gains: Vec<f32> = shares.par_iter().map(|shares| self.gain(shares)).collect();
+            let gains: Vec<f32> = shares_of_candidates.par_iter().map(|shares| self.gain(shares)).collect();
             // The first of equal gains is taken, so that the result does not depend on threads.
-            let best = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
-            let Some(index) = best.filter(|i| gains[*i] > 0.0) else { break };
+            let best_index = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
+            let Some(index) = best_index.filter(|index| gains[*index] > 0.0) else { break };
             // A candidate without shares has no gain, so that none is tried twice.
-            let shares = std::mem::take(&mut shares[index]);
+            let shares = std::mem::take(&mut shares_of_candidates[index]);
             let candidate = &candidates[index];
             if !space::is_clear(self.triangles, candidate) {
                 continue;
@@ -158,11 +159,12 @@ impl CaptureSearch<'_> {
             if gains[index] < least_gain * self.ends.len() as f32 {
                 break;
             }
-            self.add(Capture { position: candidate.position.as_vec3(), ..base }, &shares);
+            self.add(Capture { position: candidate.position.as_vec3(), ..template }, &shares);
         }
     }
 
-    /// Returns how well a capture at `place` would show each end, 0…1, in the order of the ends; 0 for a hidden end.
+    /// Returns how well a capture at `place` would show each end, 0…1, in the order of [`CaptureSearch::ends`]; 0 for a
+    /// hidden end.
     fn shown_shares(&self, place: DVec3) -> Vec<f32> {
         self.ends
             .iter()
@@ -173,16 +175,16 @@ impl CaptureSearch<'_> {
     /// Returns the gain of a candidate that shows each end as well as `shares` says: by how much it shows ends better
     /// than the captures so far, summed over all ends. Without shares, the gain is 0.
     fn gain(&self, shares: &[f32]) -> f32 {
-        shares.iter().zip(&self.best).map(|(new, best)| (new - best).max(0.0)).sum()
+        shares.iter().zip(&self.best).map(|(share, best)| (share - best).max(0.0)).sum()
     }
 
     /// Adds a capture, which shows each end as well as `shares` says, and the share of the ends that all captures then
     /// see.
     fn add(&mut self, capture: Capture, shares: &[f32]) {
-        self.best.iter_mut().zip(shares).for_each(|(best, new)| *best = best.max(*new));
-        let seen = self.best.iter().filter(|b| **b > 0.0).count();
+        self.best.iter_mut().zip(shares).for_each(|(best, share)| *best = best.max(*share));
+        let seen_ends = self.best.iter().filter(|best| **best > 0.0).count();
         self.placement.captures.push(capture);
-        self.placement.seen.push(seen as f32 / self.ends.len().max(1) as f32);
+        self.placement.seen.push(seen_ends as f32 / self.ends.len().max(1) as f32);
     }
 }
 
@@ -192,9 +194,9 @@ fn shown_share(place: DVec3, end: &MirrorEnd) -> f32 {
     let to_capture = place - end.position;
     let cosine = to_capture.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);
     // A cube face spans two units at distance one, and the area of a texel on the surface grows with 1 / cosine.
-    let texel = to_capture.length() * 2.0 / f64::from(Capture::RESOLUTION) / cosine.sqrt();
-    let pixel = end.path_m * mirrors::PIXEL_RADIANS;
-    (1.0 / (1.0 + COARSENESS * (texel / pixel).powi(2))) as f32
+    let texel_m = to_capture.length() * 2.0 / f64::from(Capture::RESOLUTION) / cosine.sqrt();
+    let pixel_m = end.path_m * mirrors::PIXEL_RADIANS;
+    (1.0 / (1.0 + COARSENESS * (texel_m / pixel_m).powi(2))) as f32
 }
 
 /// Returns true if no surface lies between two points. The last 0.1 mm plus 0.1 ‰ of the distance are ignored, since

@@ -36,7 +36,7 @@ pub const RELIEF_TEXELS: f32 = 2.0;
 const GREEN_DOWN: f64 = -0.15;
 
 /// The linear value of each byte of an sRGB image.
-static DECODED: LazyLock<[f64; 256]> =
+static LINEAR_OF_SRGB_BYTE: LazyLock<[f64; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| f64::from(math::srgb_to_linear(byte as f32 / 255.0))));
 
 /// Decodes a PNG, JPEG, TGA, BMP, GIF or WebP file. The format is recognised by the content or, failing that, by the
@@ -79,9 +79,10 @@ pub fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
     Ok((size, values))
 }
 
-/// Decodes the bytes of an image file to texels of the image's own format. Its size is checked before.
+/// Decodes the bytes of an image file to texels of the image's own format. The size that the file claims is checked
+/// before it is decoded.
 fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
-    let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
+    let malformed = |error: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {error}"));
     let mut reader = ImageReader::new(Cursor::new(bytes));
     if let Ok(format) = ImageFormat::from_path(path) {
         reader.set_format(format);
@@ -117,10 +118,10 @@ pub fn texels_within(width: u32, height: u32, side: u32) -> u64 {
 /// shape is kept, and each side stays at least 1.
 fn size_within(width: u32, height: u32, side: u32) -> [u32; 2] {
     let greatest = u64::from(width.max(height));
-    let scaled = |extent: u32| {
+    let scale = |extent: u32| {
         if greatest <= u64::from(side) { extent } else { (u64::from(extent) * u64::from(side) / greatest) as u32 }
     };
-    [width, height].map(|extent| scaled(extent).max(1))
+    [width, height].map(|extent| scale(extent).max(1))
 }
 
 /// Shrinks an image so that no side has more than `side` texels. A triangle filter averages decoded texels, that is,
@@ -132,15 +133,16 @@ pub fn shrink_to_side(texture: Texture, side: u32) -> Texture {
     }
     let srgb = texture.encoding == Encoding::Srgb;
     // Every fourth byte is alpha, which is never encoded as sRGB.
-    let unpacked = |(k, &byte): (usize, &u8)| {
-        if srgb && k % 4 != 3 { DECODED[usize::from(byte)] as f32 } else { f32::from(byte) / 255.0 }
+    let unpack = |(index, &byte): (usize, &u8)| {
+        if srgb && index % 4 != 3 { LINEAR_OF_SRGB_BYTE[usize::from(byte)] as f32 } else { f32::from(byte) / 255.0 }
     };
-    let texels: Vec<f32> = texture.rgba.iter().enumerate().map(unpacked).collect();
+    let texels: Vec<f32> = texture.rgba.iter().enumerate().map(unpack).collect();
     let Some(image) = image::Rgba32FImage::from_raw(texture.width, texture.height, texels) else { return texture };
     let small = image::imageops::resize(&image, width, height, FilterType::Triangle);
-    let packed =
-        |(k, &value): (usize, &f32)| to_byte(if srgb && k % 4 != 3 { math::linear_to_srgb(value) } else { value });
-    Texture { rgba: small.as_raw().iter().enumerate().map(packed).collect(), width, height, ..texture }
+    let pack = |(index, &value): (usize, &f32)| {
+        to_byte(if srgb && index % 4 != 3 { math::linear_to_srgb(value) } else { value })
+    };
+    Texture { rgba: small.as_raw().iter().enumerate().map(pack).collect(), width, height, ..texture }
 }
 
 /// Width and height of an encoded image; `None` if the bytes are no image of a supported format.
@@ -167,12 +169,12 @@ pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
 /// Returns a texel, red, green, blue and alpha from 0 to 1, decoded to linear values.
 fn linear_texel(texture: &Texture, x: usize, y: usize) -> DVec4 {
     let offset = 4 * (y * texture.width as usize + x);
-    let rgba: [u8; 4] = std::array::from_fn(|k| texture.rgba[offset + k]);
+    let rgba: [u8; 4] = std::array::from_fn(|channel| texture.rgba[offset + channel]);
     let unit = rgba.map(|byte| f64::from(byte) / 255.0);
     match texture.encoding {
         Encoding::Linear => DVec4::from(unit),
         Encoding::Srgb => {
-            let [r, g, b] = [0, 1, 2].map(|k| DECODED[usize::from(rgba[k])]);
+            let [r, g, b] = [0, 1, 2].map(|channel| LINEAR_OF_SRGB_BYTE[usize::from(rgba[channel])]);
             DVec4::new(r, g, b, unit[3])
         }
     }
@@ -205,13 +207,13 @@ pub fn into_normal_map(texture: Texture, tilt: f32) -> Texture {
 /// Multiplies the slopes of a normal map by `tilt`. Its unused black texels become flat, and green is inverted if it
 /// points down.
 pub fn tidy_normal_map(mut texture: Texture, tilt: f32) -> Texture {
-    let green = if green_correlation(&texture) < GREEN_DOWN { -tilt } else { tilt };
+    let green_tilt = if green_correlation(&texture) < GREEN_DOWN { -tilt } else { tilt };
     for texel in texture.rgba.chunks_exact_mut(4) {
         if is_unused(texel) {
             texel[..3].copy_from_slice(&encode_vector(Vec3::Z));
-        } else if (tilt, green) != (1.0, 1.0) {
+        } else if (tilt, green_tilt) != (1.0, 1.0) {
             let vector = decode_vector(texel);
-            let scaled = Vec3::new(vector.x * tilt, vector.y * green, vector.z.max(1e-3));
+            let scaled = Vec3::new(vector.x * tilt, vector.y * green_tilt, vector.z.max(1e-3));
             texel[..3].copy_from_slice(&encode_vector(scaled.normalize()));
         }
     }
@@ -234,6 +236,7 @@ pub fn scale_normal_map(mut texture: Texture, factor: f32) -> Texture {
 /// the texels that are not black (unused) decode to vectors of length 1 ± 0.2 with z > 0. The sum of all vectors is
 /// also close to the z axis, which never holds for a grey image.
 pub fn is_normal_map(texture: &Texture) -> bool {
+    // The sum of the vectors, the number of them that fit a normal map, and the number of texels that are used.
     let (mut sum, mut fitting, mut used) = (Vec3::ZERO, 0_usize, 0_usize);
     for vector in texture.rgba.chunks_exact(4).filter(|texel| !is_unused(texel)).map(decode_vector) {
         sum += vector;
@@ -272,10 +275,10 @@ fn green_correlation(texture: &Texture) -> f64 {
     product / (left_squared * right_squared).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Replaces each texel by an opaque grey one, whose byte the function `value` computes from the texel's four bytes.
-fn map_to_grey(mut texture: Texture, value: impl Fn(&[u8]) -> u8) -> Texture {
+/// Replaces each texel by an opaque grey one, whose byte the function `grey_of` computes from the texel's four bytes.
+fn map_to_grey(mut texture: Texture, grey_of: impl Fn(&[u8]) -> u8) -> Texture {
     for texel in texture.rgba.chunks_exact_mut(4) {
-        let grey = value(texel);
+        let grey = grey_of(texel);
         texel.copy_from_slice(&[grey, grey, grey, 255]);
     }
     texture.encoding = Encoding::Linear;
@@ -393,25 +396,27 @@ mod tests {
         grey(32, 32, |x, y| wave(x, y) as u8)
     }
 
+    /// A factor below 1 flattens the slopes, one above 1 steepens them, and 1 changes no byte.
     #[test]
     fn the_tilt_factor_flattens_or_steepens_the_slopes() {
         let map = normal_map_from_height(&bumps(), 4.0);
-        let tilt = |map: &Texture| (0..32).map(|x| normal_at(map, x, 7).x.abs()).sum::<f32>();
+        let slope_sum = |map: &Texture| (0..32).map(|x| normal_at(map, x, 7).x.abs()).sum::<f32>();
         assert_eq!(into_normal_map(map.clone(), 1.0), map);
-        assert!(tilt(&into_normal_map(map.clone(), 0.5)) < 0.7 * tilt(&map));
-        assert!(tilt(&into_normal_map(map.clone(), 2.0)) > 1.3 * tilt(&map));
-        assert!(tilt(&into_normal_map(map.clone(), 0.0)) < 0.2);
+        assert!(slope_sum(&into_normal_map(map.clone(), 0.5)) < 0.7 * slope_sum(&map));
+        assert!(slope_sum(&into_normal_map(map.clone(), 2.0)) > 1.3 * slope_sum(&map));
+        assert!(slope_sum(&into_normal_map(map.clone(), 0.0)) < 0.2);
     }
 
+    /// A normal map whose green points down is turned, and its black texels become flat.
     #[test]
     fn green_down_is_inverted_and_black_is_flattened() {
         let map = normal_map_from_height(&bumps(), 4.0);
         assert!(green_correlation(&map) > 0.5, "{}", green_correlation(&map));
-        let mut down = map.clone();
-        down.rgba.chunks_exact_mut(4).for_each(|texel| texel[1] = 255 - texel[1]);
-        assert!(green_correlation(&down) < -0.5);
-        down.rgba[..4 * 32 * 8].fill(0);
-        let turned = into_normal_map(down, 1.0);
+        let mut map_of_green_down = map.clone();
+        map_of_green_down.rgba.chunks_exact_mut(4).for_each(|texel| texel[1] = 255 - texel[1]);
+        assert!(green_correlation(&map_of_green_down) < -0.5);
+        map_of_green_down.rgba[..4 * 32 * 8].fill(0);
+        let turned = into_normal_map(map_of_green_down, 1.0);
         assert!((normal_at(&turned, 3, 3) - Vec3::Z).length() < 0.02);
         for (x, y) in [(3, 12), (17, 20), (30, 30)] {
             let (converted, original) = (normal_at(&turned, x, y), normal_at(&map, x, y));
@@ -419,6 +424,7 @@ mod tests {
         }
     }
 
+    /// A mask takes alpha, or the luminance if all texels are opaque. Reflectivity takes the decoded luminance.
     #[test]
     fn masks_prefer_alpha_and_reflectivity_is_linear() {
         let mut image = grey(1, 2, |_, _| 188);

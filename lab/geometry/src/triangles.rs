@@ -40,12 +40,12 @@ impl<'a> Triangles<'a> {
     /// Returns the closest hit of a ray. The ray passes where an alpha mask is below ½, and through single-sided
     /// materials from behind.
     pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
-        self.bvh.closest(ray, &|hit| self.covers(ray, hit))
+        self.bvh.closest(ray, &|hit| self.stops_ray(ray, hit))
     }
 
     /// Returns true if a ray hits anything in its range; it passes where [`Triangles::closest`] lets it pass.
     pub fn any(&self, ray: &WorldRay) -> bool {
-        self.bvh.any(ray, &|hit| self.covers(ray, hit))
+        self.bvh.any(ray, &|hit| self.stops_ray(ray, hit))
     }
 
     /// Returns the mesh of the triangle that was hit, and the triangle's index there.
@@ -67,13 +67,16 @@ impl<'a> Triangles<'a> {
     pub fn surface(&self, hit: &TriangleHit) -> (&'a Material, [&'a Vertex; 3]) {
         let origin = self.origin(hit);
         let mesh = &self.scene.meshes[origin.mesh as usize];
-        let first = 3 * origin.triangle as usize;
-        (&self.materials[mesh.material], [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
+        let first_index = 3 * origin.triangle as usize;
+        (
+            &self.materials[mesh.material],
+            [0, 1, 2].map(|corner| &mesh.vertices[mesh.indices[first_index + corner] as usize]),
+        )
     }
 
     /// Returns true if the surface stops the ray at the hit. A single-sided triangle does not stop a ray from behind,
     /// and the alpha mask has a hole where it is below ½.
-    fn covers(&self, ray: &WorldRay, hit: &TriangleHit) -> bool {
+    fn stops_ray(&self, ray: &WorldRay, hit: &TriangleHit) -> bool {
         let mesh = &self.scene.meshes[self.origin(hit).mesh as usize];
         let material = &self.materials[mesh.material];
         if material.single_sided {
@@ -93,6 +96,6 @@ pub fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
     vertices
         .iter()
         .zip(hit.barycentrics)
-        .map(|(v, weight)| weight * DVec2::new(f64::from(v.uv[0]), f64::from(v.uv[1])))
+        .map(|(vertex, weight)| weight * DVec2::new(f64::from(vertex.uv[0]), f64::from(vertex.uv[1])))
         .sum()
 }

@@ -18,19 +18,20 @@ pub fn lens(bounds: Aabb) -> Lens {
 
 /// Makes a view named `default`, which looks towards the centre of the scene's bounds.
 ///
-/// In an interior the eye lies in the horizontal direction in which the first surface is farthest
-/// from the centre, at 0.8 of its distance. Otherwise the eye is outside, in front and slightly above, far enough away
-/// for the bounding sphere to fit into the image.
+/// In an interior the eye lies in the horizontal direction in which the first surface is farthest from the centre, at
+/// 0.8 of the distance to that surface. Otherwise the eye is outside, in front and slightly above, far enough away for
+/// the bounding sphere to fit into the image.
 pub fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
     let directions = directions();
+    // The first two directions are down and up.
     let mut below_and_above = first_hits(scene, &rays_from(centre, &directions));
     let around = below_and_above.split_off(2);
     let directions = &directions[2..];
     let eye = if is_interior(&below_and_above, &around) {
-        let horizontal = directions.iter().zip(&around).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
-        let farthest = horizontal.max_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance));
+        let horizontal_hits = directions.iter().zip(&around).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
+        let farthest = horizontal_hits.max_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance));
         farthest.map(|(direction, hit)| centre + 0.8 * hit.distance * *direction)
     } else {
         None
@@ -56,11 +57,11 @@ pub fn is_enclosed(scene: &Scene) -> bool {
 
 /// Returns the directions down and up, then [`AZIMUTHS`] horizontal ones, and as many that rise and that fall.
 fn directions() -> Vec<Vec3> {
-    let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| directions_around(height));
-    [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect()
+    let sideways = [0.0, 0.5, -0.5].iter().flat_map(|&height| directions_around(height));
+    [Vec3::NEG_Y, Vec3::Y].into_iter().chain(sideways).collect()
 }
 
-/// Makes a ray from one place in each of several directions.
+/// Makes a ray from `origin` in each of the directions.
 fn rays_from(origin: Vec3, directions: &[Vec3]) -> Vec<Ray> {
     directions.iter().map(|&direction| Ray { origin, direction }).collect()
 }
@@ -70,10 +71,10 @@ fn rays_from(origin: Vec3, directions: &[Vec3]) -> Vec<Ray> {
 /// faces the centre, and at least seven eighths of those around. Rays between separate objects meet nothing, so that
 /// objects around an empty place make no room.
 fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
-    let facing = around.iter().filter(|hit| hit.facing).count();
+    let facing_around = around.iter().filter(|hit| hit.facing).count();
     match below_and_above {
-        [below, above] if below.facing && above.facing => 2 * facing >= around.len(),
-        [below, _] if below.facing => 8 * facing >= 7 * around.len(),
+        [below, above] if below.facing && above.facing => 2 * facing_around >= around.len(),
+        [below, _] if below.facing => 8 * facing_around >= 7 * around.len(),
         _ => false,
     }
 }
@@ -127,8 +128,8 @@ pub fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
                     continue;
                 }
                 let point = origin + distance * direction;
-                let inside = |start: Vec3, end: Vec3| (end - start).cross(point - start).dot(normal) >= 0.0;
-                if inside(a, b) && inside(b, c) && inside(c, a) {
+                let is_inside_edge = |start: Vec3, end: Vec3| (end - start).cross(point - start).dot(normal) >= 0.0;
+                if is_inside_edge(a, b) && is_inside_edge(b, c) && is_inside_edge(c, a) {
                     *hit = Hit { distance, facing: along_normal < 0.0, normal };
                 }
             }

@@ -116,7 +116,7 @@ impl Row for AgeRecord {
         let median = |r: &Self, value: fn(&AgeFrame) -> f64| {
             Stats::from_samples(&r.frames.iter().map(value).collect::<Vec<_>>()).median_ms
         };
-        let more = [
+        let derived_columns = [
             Column::derived("rmse first", 4, first_rmse),
             Column::derived("last", 4, |r: &Self| r.frames.last().map(|f| f.rmse)),
             Column::derived("of touched, middle", 4, middle_touched_rmse),
@@ -127,14 +127,15 @@ impl Row for AgeRecord {
             Column::derived("effect ms median", 3, move |r: &Self| median(r, |f| f.effect_ms)),
             Column::derived("captures ms median", 3, move |r: &Self| median(r, |f| f.capture_ms)),
         ];
-        vec![Table::with_columns("table", rows, more)]
+        vec![Table::with_columns("table", rows, derived_columns)]
     }
 
     /// Draws a line for each record: the error of touched pixels over the frames that have touched pixels.
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let heads: Vec<&Head> = rows.iter().map(|r| &r.head).collect();
         let line = |r: &Self| {
-            let points = r.frames.iter().enumerate().filter_map(|(n, frame)| Some((n as f64, frame.touched_rmse?)));
+            let point = |(frame_index, frame): (usize, &AgeFrame)| Some((frame_index as f64, frame.touched_rmse?));
+            let points = r.frames.iter().enumerate().filter_map(point);
             let name = r.head.line_name(&heads, &format!("{} of {} faces", r.faces_per_frame, r.faces));
             Line { name, points: points.collect() }
         };
@@ -189,11 +190,12 @@ impl Study for AgeStudy {
             for &size in &self.sizes {
                 let setup = self.setup.with_extent(size);
                 cells.extend(self.globals.iter().map(|&globals| {
-                    let set = json!([method.name, setup.recorded(Some(method)), globals, format!("{:?}", self.view)]);
+                    let variant =
+                        json!([method.name, setup.recorded(Some(method)), globals, format!("{:?}", self.view)]);
                     let name = cell_name(&self.scene.name, &self.view.name, size, globals.roughness);
                     Planned {
                         name: format!("{name}-{}", method.name),
-                        setup: json!([digest, set, motion]),
+                        setup: json!([digest, variant, motion]),
                         cell: AgeCell { method, setup: setup.clone(), globals },
                     }
                 }));
@@ -202,8 +204,8 @@ impl Study for AgeStudy {
         cells
     }
 
-    /// Measures a row for each number of renewed faces. The rows draw every frame in turn, so that they share its
-    /// truth.
+    /// Measures a row for each number of renewed faces. The rows draw every frame in turn, so that they share the
+    /// world reference of the frame.
     fn measure(&mut self, cell: &AgeCell, bench: &mut Bench) -> Result<Vec<AgeRecord>> {
         let camera = self.view.camera(&self.scene, cell.setup.extent);
         let materials = cell.globals.materials(&self.scene, &self.view);
@@ -238,9 +240,9 @@ impl Study for AgeStudy {
                 let truth = match &mut truth {
                     Some(truth) => truth,
                     // Every row draws the same G-buffer, so that one truth serves all rows of a frame.
-                    empty => {
+                    missing_truth => {
                         let screen = gbuffer::read(&mut stage.context, shot)?;
-                        empty.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
+                        missing_truth.insert(Truth::new(self, &cell.setup, screen, &materials, offset))
                     }
                 };
                 let sum_ms = |includes: &dyn Fn(&str) -> bool| {
@@ -274,7 +276,7 @@ pub fn mean_age(faces: u32, per_frame: u32, frame: u32) -> f64 {
     if renewed == 0 {
         return f64::from(frame);
     }
-    // Faces are ranked by when they were drawn: rank 0 is the face drawn last. `renewed` ranks have each age.
+    // Faces are ranked by when they were drawn: rank 0 is the face drawn last. Each frame draws `renewed` faces.
     let age = |rank: u32| (rank / renewed).min(frame);
     f64::from((0..faces).map(age).sum::<u32>()) / f64::from(faces)
 }
@@ -287,6 +289,7 @@ struct Truth {
     mask: Vec<bool>,
     /// Whether the pixel reflects and its reflection differs from that in the scene before anything moved.
     touched: Vec<bool>,
+    /// Root mean square of the standard errors of the reference over all reflecting pixels.
     standard_error: f64,
 }
 
@@ -337,7 +340,8 @@ mod tests {
     use ssct::methods;
     use ssct::methods::setup::{BeyondScreen, CaptureCount};
 
-    /// Returns what is said against a study of a method; empty if nothing is.
+    /// Returns the message that refuses a study of a method; empty if the study is accepted. `change` sets parameters
+    /// of the method.
     fn complaint(method: &str, change: fn(&mut EffectParams)) -> String {
         let study = AgeStudy {
             scene: Scene::default(),
@@ -369,14 +373,14 @@ mod tests {
     #[test]
     fn the_mean_age_is_that_of_faces_renewed_in_turn() {
         for (faces, per_frame) in [(6, 0), (6, 1), (12, 5), (24, 2), (24, 24), (12, 30)] {
-            let mut drawn = vec![0_u32; faces as usize];
-            let mut next = 0;
+            let mut last_drawn = vec![0_u32; faces as usize];
+            let mut next_face = 0;
             for frame in 0..40 {
                 for _ in 0..per_frame.min(faces) {
-                    drawn[next as usize] = frame;
-                    next = (next + 1) % faces;
+                    last_drawn[next_face as usize] = frame;
+                    next_face = (next_face + 1) % faces;
                 }
-                let mean = drawn.iter().map(|d| f64::from(frame - d)).sum::<f64>() / f64::from(faces);
+                let mean = last_drawn.iter().map(|drawn| f64::from(frame - drawn)).sum::<f64>() / f64::from(faces);
                 assert_eq!(mean_age(faces, per_frame, frame), mean, "{faces}, {per_frame}, {frame}");
             }
         }

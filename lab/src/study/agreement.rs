@@ -94,7 +94,8 @@ columns! {
         pub isotropic: bool = figure("no anisotropy"),
         /// Whether normal maps were left out.
         pub plain_normals: bool = figure("no maps"),
-        /// Share of the pixels that show another surface: sky on one of the two, or depths that are more than 1 % apart.
+        /// Share of the pixels that show another surface: sky on one of the two, or depths that are more than 1 % of the
+        /// camera's reach apart, which is the depth itself in a perspective.
         pub other_surface: f64 = figure("surface %").share().digits(3),
         /// Share of the pixels with one surface whose normals are more than 2 degrees apart.
         pub other_normal: f64 = figure("normal %").share().digits(3),
@@ -119,18 +120,19 @@ const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the table
 
 /// Makes two columns that name a row's device and its base device, by the shortest names that tell all devices of a
 /// table apart. `device_pair` returns these two devices of a row, in this order.
-fn devices<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
-    let all: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(device_pair).cloned().collect());
+fn device_columns<R: 'static>(rows: &[R], device_pair: fn(&R) -> [&DeviceInfo; 2]) -> [Column<R>; 2] {
+    let all_devices: Rc<Vec<DeviceInfo>> = Rc::new(rows.iter().flat_map(device_pair).cloned().collect());
     [("device", 0), ("beside", 1)].map(|(title, index)| {
-        let all = Rc::clone(&all);
-        Column::derived(title, 0, move |row| name_among(device_pair(row)[index], &all.iter().collect::<Vec<_>>()))
+        let all_devices = Rc::clone(&all_devices);
+        let name = move |row: &R| name_among(device_pair(row)[index], &all_devices.iter().collect::<Vec<_>>());
+        Column::derived(title, 0, name)
     })
 }
 
 impl AgreementRecord {
     /// The table that compares the images of methods on one G-buffer.
     pub fn table(rows: &[Self]) -> Table {
-        let [device, beside] = devices(rows, |r: &Self| [&r.head.program.device, &r.base]);
+        let [device, beside] = device_columns(rows, |r: &Self| [&r.head.program.device, &r.base]);
         let agree = Column::derived("hits agree %", 4, |r: &Self| r.hits.hit_agreement.map(|share| 100.0 * share));
         let table = Table::with_columns("same", rows, [device, beside, agree]);
         Table { title: "The same on other devices".to_owned(), about: ABOUT_METHODS.to_owned(), ..table }
@@ -140,7 +142,7 @@ impl AgreementRecord {
 impl DrawnRecord {
     /// The table of the G-buffers that devices draw.
     pub fn table(rows: &[Self]) -> Table {
-        let [device, beside] = devices(rows, |r: &Self| [&r.device, &r.base]);
+        let [device, beside] = device_columns(rows, |r: &Self| [&r.device, &r.base]);
         let bits = |p: &Precision| format!("{}/{}/{}", p.sub_pixel_bits, p.sub_texel_bits, p.mipmap_bits);
         let device_bits = Column::derived("bits", 0, move |r: &Self| bits(&r.precision[1]));
         let base_bits = Column::derived("bits there", 0, move |r: &Self| bits(&r.precision[0]));
@@ -174,20 +176,20 @@ pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec
     let uploaded = GBufferImages::upload(context, data)?;
     let gbuffer: GBuffer = uploaded.gbuffer();
     let setup = spec.setup.with_extent([data.width, data.height]).seen_by(data.camera.kind());
-    let mut all = Vec::new();
+    let mut device_images = Vec::new();
     for method in &spec.methods {
         let scene_input = SceneInput { data: scene, materials: &materials };
         let effect = Effect::new(context, method, &setup, Wants::HITS, Some(&scene_input))?;
         let sky = Some(scene.sky());
         let input = Input { scene: Some(scene_input), sky, ..Input::of_screen(gbuffer, &data.camera) };
         let output = reflect_at_rest(context, &effect, &input)?;
-        all.push(DeviceImage {
+        device_images.push(DeviceImage {
             method,
             reflection: gbuffer::reflection(context, &output)?,
-            hits: output.traced.hits.map(|h| context.read(h.0.all())).transpose()?,
+            hits: output.traced.hits.map(|hits| context.read(hits.0.all())).transpose()?,
         });
     }
-    Ok(all)
+    Ok(device_images)
 }
 
 /// Compares the images of the device `gpu` with those that the device `base` made from the same G-buffer `data`. The
@@ -202,8 +204,8 @@ pub fn compare(
     let mask = data.reflecting();
     let (place, setup) = ((spec.scene, spec.view), spec.setup.with_extent([data.width, data.height]));
     let record = |(base_image, image): (&DeviceImage, &DeviceImage)| {
-        let colors = [base_image, image].map(|made| rgb(&made.reflection));
-        let display = colors.each_ref().map(|c| display(c));
+        let colors = [base_image, image].map(|device_image| rgb(&device_image.reflection));
+        let display_images = colors.each_ref().map(|c| display(c));
         let hit_images = base_image.hits.as_ref().zip(image.hits.as_ref());
         let positions = hit_images.map(|(base, other)| [hit_positions(base), hit_positions(other)]);
         let version = setup.effect().oracle;
@@ -218,7 +220,7 @@ pub fn compare(
             apart: apart_and_ties.map(|(apart, _)| apart),
             ties: apart_and_ties.map(|(_, ties)| ties),
             rmse: masked_rmse(&colors[0], &colors[1], &mask),
-            flip: FlipMap::new(&display[0], &display[1], data.width, data.height).mean(),
+            flip: FlipMap::new(&display_images[0], &display_images[1], data.width, data.height).mean(),
         }
     };
     base_images.iter().zip(device_images).map(record).collect()
@@ -250,12 +252,17 @@ pub fn compare_drawn(
     [base, drawn]: [&GBufferData; 2],
     isotropic: bool,
 ) -> DrawnRecord {
-    // Far from the far plane, a view depth is about the near plane's distance divided by the reversed depth.
-    let view_depth_m = |reversed: f32| base.camera.lens.near_m / reversed.max(f32::MIN_POSITIVE);
+    let projection = base.camera.projection_numbers();
+    let view_depth_m = |reversed: f32| projection.kind.z_at(projection.depth.map(f64::from), f64::from(reversed));
     let is_same_surface = |i: &usize| {
-        let (a, b) = (base.depth[*i], drawn.depth[*i]);
-        let (a_m, b_m) = (view_depth_m(a), view_depth_m(b));
-        (a > 0.0) == (b > 0.0) && base.surface[*i] == drawn.surface[*i] && (a_m - b_m).abs() <= 0.01 * a_m.max(b_m)
+        let depths = [base.depth[*i], drawn.depth[*i]];
+        let [base_m, drawn_m] = depths.map(view_depth_m);
+        // Sky has the reversed depth 0.
+        let [base_has_surface, drawn_has_surface] = depths.map(|depth| depth > 0.0);
+        let is_same_depth = || (base_m - drawn_m).abs() <= 0.01 * base.camera.reach_m(base_m.max(drawn_m));
+        base_has_surface == drawn_has_surface
+            && base.surface[*i] == drawn.surface[*i]
+            && (!base_has_surface || is_same_depth())
     };
     let pixels = base.depth.len();
     let same: Vec<usize> = (0..pixels).filter(is_same_surface).collect();

@@ -98,14 +98,14 @@ pub fn time_copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord
     use vk::ImageUsageFlags as U;
     let (extent, usage) = ([side; 2], U::TRANSFER_SRC | U::TRANSFER_DST);
     let desc = |name| ImageDesc { name, format: vk::Format::R32_SFLOAT, extent, levels: 1, layers: 1, usage };
-    let [from, to] = [Image::new(gpu, &desc("copied"))?, Image::new(gpu, &desc("copy"))?];
+    let [source, target] = [Image::new(gpu, &desc("copied"))?, Image::new(gpu, &desc("copy"))?];
     let mut context = FrameContext::new(gpu)?;
-    context.once(|frame| frame.clear("copied", from.all(), [0.5; 4]))?;
+    context.once(|frame| frame.clear("copied", source.all(), [0.5; 4]))?;
     let mut times = Vec::new();
     // The first copy, numbered 0, warms up and is not counted.
     for sample in 0..=samples {
         let mut frame = context.begin(Mode::Timed)?;
-        frame.copy("copy", from.all(), to.all())?;
+        frame.copy("copy", source.all(), target.all())?;
         let report = frame.finish()?;
         times.extend(report.passes.iter().filter(|_| sample > 0).map(|p| p.ms));
     }

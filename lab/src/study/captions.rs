@@ -37,6 +37,7 @@ pub struct Caption {
     pub other_ms: f64,
 }
 
+/// Makes a caption from its fields, in their order; the pair has the scene and the view that stand for the figure.
 const fn caption(
     figure: &'static str,
     [scene, view]: [&'static str; 2],
@@ -89,7 +90,8 @@ pub fn time_reference(
     let start = Instant::now();
     let first_hits = FirstHits::trace(&world, &camera, extent);
     let setup = Setup::new(extent);
-    let reference = WorldReference::new(&world, &first_hits, &camera, 1);
+    let seed = 1;
+    let reference = WorldReference::new(&world, &first_hits, &camera, seed);
     let mut state = reference.start();
     reference.add(&mut state, rays);
     let subject = RecordSubject::Other { name: REFERENCE, method: None };
@@ -185,18 +187,18 @@ fn cells(rows: &[ComparedCaption]) -> Vec<Vec<String>> {
     ];
     let mut cells = vec![header.map(str::to_owned).to_vec()];
     for row in rows {
-        let c = row.caption;
-        let other = if c.other == REFERENCE { "Mitsuba".into() } else { c.other.to_uppercase() };
+        let caption = row.caption;
+        let other_name = if caption.other == REFERENCE { "Mitsuba".into() } else { caption.other.to_uppercase() };
         let number = |pair: Option<TimePair>, value: fn(&TimePair) -> f64| match pair {
             Some(pair) => format!("{:.2}", value(&pair)),
             None => "-".into(),
         };
         cells.push(vec![
-            c.figure.to_owned(),
-            c.view.to_owned(),
-            format!("{} x {}", c.size[0], c.size[1]),
+            caption.figure.to_owned(),
+            caption.view.to_owned(),
+            format!("{} x {}", caption.size[0], caption.size[1]),
             roughness_name(row.roughness),
-            other,
+            other_name,
             number(Some(row.published), |p| p.ssct_ms),
             number(Some(row.published), |p| p.other_ms),
             number(row.measured, |p| p.ssct_ms),

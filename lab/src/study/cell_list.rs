@@ -121,10 +121,9 @@ impl CellList {
         }
     }
 
-    /// Returns those elements of `all` whose cells this run measures; `all` has an element for each cell, in the list's
-    /// order.
-    pub fn select_own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
-        all.iter().zip(&self.cells).filter(|(_, cell)| cell.is_own).map(|(element, _)| element)
+    /// Returns the items whose cells this run measures; `items` has an item for each cell, in the list's order.
+    pub fn select_own<'a, T>(&'a self, items: &'a [T]) -> impl Iterator<Item = &'a T> {
+        items.iter().zip(&self.cells).filter(|(_, cell)| cell.is_own).map(|(item, _)| item)
     }
 
     /// Returns how many cells this run measures.

@@ -369,9 +369,9 @@ macro_rules! columns {
 
         impl $crate::study::columns::Columns for $Row {
             fn columns() -> $crate::study::columns::ColumnSet<Self> {
-                let mut all = $crate::study::columns::ColumnSet::default();
-                $( $crate::study::columns::column_of!(all, $name, [$(#[$($attribute)+])*] $(, $column)?); )*
-                all
+                let mut set = $crate::study::columns::ColumnSet::default();
+                $( $crate::study::columns::column_of!(set, $name, [$(#[$($attribute)+])*] $(, $column)?); )*
+                set
             }
         }
     };
@@ -405,11 +405,12 @@ macro_rules! measured_columns {
     };
 }
 
-/// Adds the column of a field to the set `$all`, if the field declares a column.
+/// Adds the column of a field to the set `$set`, if the field declares a column.
 macro_rules! column_of {
-    ($all:ident, $name:ident, [$($about:tt)*]) => {};
-    ($all:ident, $name:ident, [$($about:tt)*], $column:expr) => {
-        $column.add((stringify!($name), $crate::study::columns::text_of_doc!($($about)*)), |row: &Self| &row.$name, &mut $all);
+    ($set:ident, $name:ident, [$($about:tt)*]) => {};
+    ($set:ident, $name:ident, [$($about:tt)*], $column:expr) => {
+        let about = $crate::study::columns::text_of_doc!($($about)*);
+        $column.add((stringify!($name), about), |row: &Self| &row.$name, &mut $set);
     };
 }
 
@@ -432,14 +433,14 @@ impl<T: Columns> Columns for Option<T> {
 
 impl Columns for HitAgreement {
     fn columns() -> ColumnSet<Self> {
-        let mut all = ColumnSet::default();
+        let mut set = ColumnSet::default();
         let share = || figure("").share();
-        share().add(("hit_agreement", ""), |h: &Self| &h.hit_agreement, &mut all);
-        share().add(("false", ""), |h: &Self| &h.false_hits, &mut all);
-        share().add(("missed", ""), |h: &Self| &h.missed, &mut all);
-        share().add(("displaced", ""), |h: &Self| &h.displaced, &mut all);
-        figure("").add(("hit_error_px_p50", ""), |h: &Self| &h.hit_error_px_p50, &mut all);
-        figure("").add(("hit_error_px_p99", ""), |h: &Self| &h.hit_error_px_p99, &mut all);
-        all
+        share().add(("hit_agreement", ""), |h: &Self| &h.hit_agreement, &mut set);
+        share().add(("false", ""), |h: &Self| &h.false_hits, &mut set);
+        share().add(("missed", ""), |h: &Self| &h.missed, &mut set);
+        share().add(("displaced", ""), |h: &Self| &h.displaced, &mut set);
+        figure("").add(("hit_error_px_p50", ""), |h: &Self| &h.hit_error_px_p50, &mut set);
+        figure("").add(("hit_error_px_p99", ""), |h: &Self| &h.hit_error_px_p99, &mut set);
+        set
     }
 }

@@ -207,28 +207,28 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Makes a record of each pass that A or B has, in A's order; passes of B alone come last. `a` and `b` have the
-    /// samples of the passes on each side, of the two `subjects`.
+    /// Makes a record of each pass that A or B has, in A's order; passes of B alone come last. `subjects` are the
+    /// subjects of A and of B, and `a` and `b` have the samples of their passes.
     fn records(&self, subjects: [&Subject; 2], [a, b]: [&[Samples]; 2], paired: bool) -> Vec<TimeComparison> {
         let [subject_a, subject_b] = subjects;
         let common = subject_a.common(subject_b);
         let differing = subject_a.differing_values(subject_b);
         let passes_of_a = a.iter().map(|s| self.record(&common, [Some(s), find(b, s)], paired));
         let only_in_b = b.iter().filter(|s| find(a, s).is_none());
-        let all = passes_of_a.chain(only_in_b.map(|s| self.record(&common, [None, Some(s)], paired)));
+        let all_passes = passes_of_a.chain(only_in_b.map(|s| self.record(&common, [None, Some(s)], paired)));
         let drift = drift([a, b]).filter(|_| subject_a.is_same_work(subject_b));
-        let with_sides = |record: TimeComparison| TimeComparison {
+        let with_drift_and_differing = |record: TimeComparison| TimeComparison {
             drift: drift.filter(|_| record.only_in.is_none()),
             differing: differing.clone(),
             ..record
         };
-        all.map(with_sides).collect()
+        all_passes.map(with_drift_and_differing).collect()
     }
 }
 
 impl Judgement {
     /// Returns the verdict on a ratio that was found from `samples` samples, where `floor` is the noise floor as a
-    /// share. The second part says about how many samples would decide an undecided verdict; `None` if it is decided,
+    /// share. The second value says about how many samples would decide an undecided verdict; `None` if it is decided,
     /// or if the number is too large to foretell.
     fn judge(&self, ratio: &Ratio, samples: usize, floor: f64) -> (Verdict, Option<u64>) {
         let has_too_few = samples < MIN_SAMPLES;
@@ -267,16 +267,16 @@ fn drift([a, b]: [&[Samples]; 2]) -> Option<f64> {
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let mut comparison = Comparison::new(a, b, threshold);
     if !a.samples.is_empty() && a.samples == b.samples {
-        let same = format!("A and B are one run, {SAME_SAMPLES}");
-        comparison.warning = Some(std::iter::once(same).chain(comparison.warning).collect::<Vec<_>>().join("; "));
+        let same_run = format!("A and B are one run, {SAME_SAMPLES}");
+        comparison.warning = Some(std::iter::once(same_run).chain(comparison.warning).collect::<Vec<_>>().join("; "));
     }
-    let [all_of_a, all_of_b] = both_by_subject(a, b);
+    let [samples_of_a, samples_of_b] = both_by_subject(a, b);
     let mut records = Vec::new();
     let mut only_in_b = Vec::new();
-    for SubjectSamples { subject, passes } in &all_of_a {
-        let in_b = all_of_b.iter().find(|of_b| of_b.subject == *subject);
-        let passes_of_b = in_b.map_or(&[][..], |of_b| &of_b.passes);
-        let differs = nearest(&all_of_b, subject).map(|b| subject.differences(b).join("; "));
+    for SubjectSamples { subject, passes } in &samples_of_a {
+        let in_b = samples_of_b.iter().find(|samples| samples.subject == *subject);
+        let passes_of_b = in_b.map_or(&[][..], |samples| &samples.passes);
+        let differs = nearest(&samples_of_b, subject).map(|subject_b| subject.differences(subject_b).join("; "));
         for record in comparison.records([subject, subject], [passes, passes_of_b], false) {
             let is_of_b = record.only_in == Some(Side::B);
             let differs = differs.clone().filter(|_| record.only_in.is_some());
@@ -284,9 +284,9 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
             list.push(TimeComparison { differs, ..record });
         }
     }
-    let is_in_a = |subject: &Subject| all_of_a.iter().any(|of_a| of_a.subject == *subject);
-    for SubjectSamples { subject, passes } in all_of_b.iter().filter(|of_b| !is_in_a(&of_b.subject)) {
-        let differs = nearest(&all_of_a, subject).map(|a| a.differences(subject).join("; "));
+    let is_in_a = |subject: &Subject| samples_of_a.iter().any(|samples| samples.subject == *subject);
+    for SubjectSamples { subject, passes } in samples_of_b.iter().filter(|samples| !is_in_a(&samples.subject)) {
+        let differs = nearest(&samples_of_a, subject).map(|subject_a| subject_a.differences(subject).join("; "));
         let records_of_b = comparison.records([subject, subject], [&[], passes], false).into_iter();
         only_in_b.extend(records_of_b.map(|record| TimeComparison { differs: differs.clone(), ..record }));
     }
@@ -298,9 +298,9 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
 /// texts, for the options `--a` and `--b`, and says whether both subjects have one place, so that one run can time them
 /// in turn. `None` if a run has no frames.
 pub fn named_settings(a: &Run, b: &Run) -> Option<([String; 2], bool)> {
-    let [all_of_a, all_of_b] = both_by_subject(a, b);
-    let first = &all_of_a.first()?.subject;
-    let other = nearest(&all_of_b, first).or_else(|| all_of_b.first().map(|of_b| &of_b.subject))?;
+    let [samples_of_a, samples_of_b] = both_by_subject(a, b);
+    let first = &samples_of_a.first()?.subject;
+    let other = nearest(&samples_of_b, first).or_else(|| samples_of_b.first().map(|samples| &samples.subject))?;
     Some(([first.difference_from(other, "--"), other.difference_from(first, "--")], first.place() == other.place()))
 }
 
@@ -310,15 +310,15 @@ const SAME_SAMPLES: &str = "with the same samples: nothing is compared";
 /// Says why two runs may not be comparable: different or unknown devices, and settings that only one of the files
 /// gives. `None` if nothing speaks against a comparison.
 fn warning(a: &Run, b: &Run) -> Option<String> {
-    let only = "times compare only on one device";
+    let condition = "times compare only on one device";
     let device = match (&a.device, &b.device) {
         (Some(a), Some(b)) if a == b => None,
         (Some(a), Some(b)) => {
-            Some(format!("A ran on {} ({}), B on {} ({}): {only}", a.name, a.driver, b.name, b.driver))
+            Some(format!("A ran on {} ({}), B on {} ({}): {condition}", a.name, a.driver, b.name, b.driver))
         }
-        (None, None) => Some(format!("no time.json says on which devices A and B ran: {only}")),
-        (None, _) => Some(format!("no time.json says on which device A ran: {only}")),
-        (_, None) => Some(format!("no time.json says on which device B ran: {only}")),
+        (None, None) => Some(format!("no time.json says on which devices A and B ran: {condition}")),
+        (None, _) => Some(format!("no time.json says on which device A ran: {condition}")),
+        (_, None) => Some(format!("no time.json says on which device B ran: {condition}")),
     };
     let missing_settings =
         [("A", a.missing_settings(b)), ("B", b.missing_settings(a))].into_iter().filter(|(_, names)| !names.is_empty());
@@ -326,14 +326,14 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         let names: Vec<_> = names.into_iter().collect();
         format!("{run}'s samples do not say {}, which is left out of account", names.join(", "))
     });
-    let all: Vec<_> = device.into_iter().chain(settings).collect();
-    (!all.is_empty()).then(|| all.join("; "))
+    let reasons: Vec<_> = device.into_iter().chain(settings).collect();
+    (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
-/// Finds the subject in `all` that differs from `subject` in the fewest values, among those with the same scene, view
-/// and method. `None` if there is none, or if `all` has `subject` itself.
-fn nearest<'g>(all: &'g [SubjectSamples], subject: &Subject) -> Option<&'g Subject> {
-    let candidates = all.iter().map(|samples| &samples.subject).filter(|s| s.has_same_scene_view_and_method(subject));
+/// Finds the subject in `samples` that differs from `subject` in the fewest values, among those with the same scene,
+/// view and method. `None` if there is none, or if `samples` has `subject` itself.
+fn nearest<'g>(samples: &'g [SubjectSamples], subject: &Subject) -> Option<&'g Subject> {
+    let candidates = samples.iter().map(|s| &s.subject).filter(|s| s.has_same_scene_view_and_method(subject));
     let nearest = candidates.min_by_key(|candidate| candidate.differences(subject).len());
     nearest.filter(|candidate| *candidate != subject)
 }

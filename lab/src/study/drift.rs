@@ -63,8 +63,8 @@ fn moment(record: &TimeRecord) -> [String; 3] {
 /// none has.
 fn mean_of_scene_passes<'r>(records: impl Iterator<Item = &'r TimeRecord>) -> Option<f64> {
     let scene_ms = |r: &TimeRecord| r.passes.iter().filter(|p| !p.counted).map(|p| p.stats.median_ms).sum::<f64>();
-    let all: Vec<f64> = records.map(scene_ms).filter(|ms| *ms > 0.0).collect();
-    (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+    let measured_ms: Vec<f64> = records.map(scene_ms).filter(|ms| *ms > 0.0).collect();
+    (!measured_ms.is_empty()).then(|| measured_ms.iter().sum::<f64>() / measured_ms.len() as f64)
 }
 
 #[cfg(test)]
@@ -78,10 +78,10 @@ mod tests {
 
     /// Makes a record of a method whose scene passes took `scene_ms`. The setup has the parameter `beyond`, if given.
     fn record(method: &str, beyond: Option<&str>, roughness: f32, scene_ms: f64) -> TimeRecord {
-        let text = String::new;
-        let device = DeviceInfo { name: text(), driver: text(), api: text(), kind: text() };
-        let program = Provenance { definitions: DEFINITIONS, version: text(), commit: text(), device };
-        let set = [("roughness", Some(json!(roughness))), ("beyond", beyond.map(|beyond| json!(beyond)))];
+        let empty = String::new;
+        let device = DeviceInfo { name: empty(), driver: empty(), api: empty(), kind: empty() };
+        let program = Provenance { definitions: DEFINITIONS, version: empty(), commit: empty(), device };
+        let settings = [("roughness", Some(json!(roughness))), ("beyond", beyond.map(|beyond| json!(beyond)))];
         let head = Head {
             kind: "time".into(),
             program,
@@ -92,7 +92,7 @@ mod tests {
             width: 32,
             height: 18,
             roughness: Some(roughness),
-            setup: set.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect(),
+            setup: settings.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect(),
         };
         let stats = Stats::from_samples(&[scene_ms]);
         let g_buffer = PassRecord { name: "g-buffer".into(), counted: false, stats, noise_floor: None, work: None };

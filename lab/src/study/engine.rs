@@ -176,7 +176,7 @@ impl<K: PartialEq, T> LastMade<K, T> {
     /// # Errors
     /// Errors of `make`.
     pub fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<T, E>) -> Result<&mut T, E> {
-        let last = self.0.take().filter(|(known, _)| *known == key);
+        let last = self.0.take().filter(|(last_key, _)| *last_key == key);
         let (key, made) = match last {
             Some(last) => last,
             None => (key, make()?),
@@ -286,11 +286,11 @@ pub fn check<R: Row>(input: &MergeInput) -> std::result::Result<(), (Option<usiz
     let keys = keys_of(&input.cells);
     for line in &input.lines {
         let Some((key, value)) = journal::entry(&line.text) else { continue };
-        let wrong = |why: String| (Some(line.number), format!("the value of {key:?} {why}"));
+        let fault_in_line = |why: String| (Some(line.number), format!("the value of {key:?} {why}"));
         if keys.contains(key.as_str()) {
-            parse_rows::<R>(&value).map_err(wrong)?;
+            parse_rows::<R>(&value).map_err(fault_in_line)?;
         } else if R::IS_SAMPLED && is_sample(&keys, &key) {
-            interleave::parse_sample(&value).map_err(wrong)?;
+            interleave::parse_sample(&value).map_err(fault_in_line)?;
         }
     }
     // Rows made of samples also take fields from the list of cells, which are checked here.

@@ -174,8 +174,8 @@ fn measure(
     let Some(first) = shots.first() else { return Ok(cell) };
     // If the journal has all times, no frame was drawn yet, and the G-buffer below needs one.
     shared.draw(stage, Mode::Plain, first)?;
-    let data = gbuffer::read(&mut stage.context, first)?;
-    let truth = truth(spec, data, &materials, greatest_bounces(spec.variants), go_on)?;
+    let screen = gbuffer::read(&mut stage.context, first)?;
+    let truth = truth(spec, screen, &materials, greatest_bounces(spec.variants), go_on)?;
     for screen in &truth.screens {
         let name = picture_name(SCREEN_REFERENCE, screen.version);
         cell.pictures.push(Picture { name, color: screen.image.color.clone(), error: None });
@@ -190,8 +190,8 @@ fn measure(
         let mut template = RecordTemplate::new(gpu, spec, subject, &variant.setup, Some(&time));
         template.record.prepared = Some(timed_shot.prepared().clone());
         cell.records.extend(template.against_all(&truth, variant.is_on_screen(), &color, hits.as_ref()));
-        let has_method = |other: &&Variant| other.method.name == variant.method.name;
-        let is_alone = spec.variants.iter().filter(has_method).count() == 1;
+        let is_of_method = |other: &&Variant| other.method.name == variant.method.name;
+        let is_alone = spec.variants.iter().filter(is_of_method).count() == 1;
         // Several variants of one method get different names for their pictures.
         let name =
             if is_alone { variant.method.name.to_owned() } else { template.record.head.variant().replace(' ', "-") };
@@ -240,7 +240,7 @@ impl UntimedShots<'_> {
         }
         let shot = self.shot(variant.method, &without_fallback(&variant.setup), Wants::HITS)?;
         let (_, _, output) = self.shared.output(self.stage, Mode::Plain, &shot)?;
-        let hit_image = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
+        let hit_image = output.traced.hits.map(|hits| self.stage.context.read(hits.0.all())).transpose()?;
         Ok(hit_image.map(|pixels| MethodHits {
             positions: (!among_triangles).then(|| gbuffer::hit_positions(&pixels)),
             ends: gbuffer::ray_ends(&pixels, &truth.data),
@@ -262,8 +262,8 @@ fn add_exact_hits_and_screen_reference(
     let subject = RecordSubject::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
     let template = RecordTemplate::new(gpu, spec, subject, &setup, None);
     cell.records.extend(template.against_all(truth, true, &color, None));
-    let exact = Variant { setup: setup.clone(), ..variant.clone() };
-    cell.pictures.push(method_picture(EXACT_HITS, &color, truth, &exact, spec.extent));
+    let exact_variant = Variant { setup: setup.clone(), ..variant.clone() };
+    cell.pictures.push(method_picture(EXACT_HITS, &color, truth, &exact_variant, spec.extent));
     for screen in &truth.screens {
         let setup = setup.with(|p: &mut EffectParams| p.oracle = screen.version);
         let subject = RecordSubject::Other { name: SCREEN_REFERENCE, method: None };
@@ -336,9 +336,9 @@ fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setu
 /// Returns the lit colour of each pixel of a G-buffer plus its reflection, times reflectivity and fade
 /// (docs/definitions.md, "Surfaces"). A reflection is red, green, blue and fade.
 fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
-    let share = |i: usize| if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
+    let reflectivity = |i: usize| if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
     let pixels = data.color.iter().zip(reflection).enumerate();
-    pixels.map(|(i, (lit, [r, g, b, fade]))| *lit + share(i) * fade * Vec3::new(*r, *g, *b)).collect()
+    pixels.map(|(i, (lit, [r, g, b, fade]))| *lit + reflectivity(i) * fade * Vec3::new(*r, *g, *b)).collect()
 }
 
 /// The time of a variant in a cell.
@@ -358,19 +358,19 @@ fn time_variants(
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<VariantTime>> {
-    let cell = spec.digest(gpu);
-    let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
+    let cell_digest = spec.digest(gpu);
+    let key = |shot: usize, sample: &str| format!("total {cell_digest} {shot} {sample}");
     let rounds = Round::timed(spec.warmup, spec.samples);
     interleave(stage, (shared, shots), &rounds, &key, journal, go_on)?;
-    let total_ms = |shot: usize, n: usize| {
-        interleave::sample_in_journal(journal, &key(shot, &n.to_string())).map(|s| s.effect_ms())
+    let total_ms = |shot: usize, sample: usize| {
+        interleave::sample_in_journal(journal, &key(shot, &sample.to_string())).map(|s| s.effect_ms())
     };
-    let all_ms = |shot: usize| (0..spec.samples).filter_map(|n| total_ms(shot, n)).collect::<Vec<_>>();
+    let samples_ms = |shot: usize| (0..spec.samples).filter_map(|sample| total_ms(shot, sample)).collect::<Vec<_>>();
     let variant_time = |samples: Vec<f64>| VariantTime {
         median_ms: Stats::from_samples(&samples).median_ms,
         interval: interval_of_median(&samples, SEED),
     };
-    Ok((0..shots.len()).map(|shot| variant_time(all_ms(shot))).collect())
+    Ok((0..shots.len()).map(|shot| variant_time(samples_ms(shot))).collect())
 }
 
 /// Returns a setup without its fallback. The setup names where rays go on beyond the screen, so that this does not

@@ -39,10 +39,10 @@ impl Table {
     }
 
     /// Makes a table with a line for each of `rows`, with those of their columns that have a header, and with the
-    /// columns `more` behind them. Without rows the table has no header either.
-    pub fn with_columns<R: Columns, const N: usize>(id: &'static str, rows: &[R], more: [Column<R>; N]) -> Self {
+    /// columns `further` behind them. Without rows the table has no header either.
+    pub fn with_columns<R: Columns, const N: usize>(id: &'static str, rows: &[R], further: [Column<R>; N]) -> Self {
         let titled = R::columns().columns.into_iter().filter(|c| !c.title.is_empty());
-        let columns: Vec<_> = titled.chain(more).collect();
+        let columns: Vec<_> = titled.chain(further).collect();
         let header = columns.iter().map(|c| c.title.clone()).collect();
         let row_cells = |row: &R| columns.iter().map(|c| c.shown(row)).collect();
         let cells = std::iter::once(header).chain(rows.iter().map(row_cells));
@@ -53,13 +53,13 @@ impl Table {
 
 /// Returns the distinct values, in the order in which they first appear.
 pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    let mut all = Vec::new();
+    let mut found = Vec::new();
     for value in values {
-        if !all.contains(&value) {
-            all.push(value);
+        if !found.contains(&value) {
+            found.push(value);
         }
     }
-    all
+    found
 }
 
 /// Makes the cells of a table from two properties of rows. The table has a line for each value of the first property,
@@ -76,10 +76,11 @@ pub fn pivot<R>(
     let column_names = distinct(rows.iter().map(column_property));
     let header = std::iter::once(corner.to_owned()).chain(column_names.iter().cloned()).collect();
     let line = |line_name: String| {
-        let of_line: Vec<&R> = rows.iter().filter(|row| line_property(row) == line_name).collect();
+        let line_rows: Vec<&R> = rows.iter().filter(|row| line_property(row) == line_name).collect();
         let cell = |column_name: &String| {
-            let of_cell: Vec<&R> = of_line.iter().copied().filter(|row| column_property(row) == *column_name).collect();
-            let text = if of_cell.is_empty() { None } else { cell_text(&of_cell) };
+            let cell_rows: Vec<&R> =
+                line_rows.iter().copied().filter(|row| column_property(row) == *column_name).collect();
+            let text = if cell_rows.is_empty() { None } else { cell_text(&cell_rows) };
             text.unwrap_or_else(|| "-".to_owned())
         };
         std::iter::once(line_name.clone()).chain(column_names.iter().map(cell)).collect()

@@ -151,10 +151,11 @@ impl Inspection {
         recorded: &[String],
     ) -> Self {
         let extent = [gbuffer.width, gbuffer.height];
-        let hi_z = || {
+        let make_hi_z_twin = || {
             let levels = ssct::gpu::image::full_chain(extent);
             let params: HiZParams = setup.parameters();
-            let block = params.fill(thesis::block(&gbuffer.camera, extent, levels, true));
+            let fade = true;
+            let block = params.fill(thesis::block(&gbuffer.camera, extent, levels, fade));
             let depth = Level {
                 width: gbuffer.width,
                 height: gbuffer.height,
@@ -171,7 +172,7 @@ impl Inspection {
         let effect = setup.effect();
         let walks_pyramid = method.follows_oracle && recorded.iter().any(|pass| pass == "pyramid");
         let twin = match effect.divisor() {
-            1 if method.traces_hi_z => Some(hi_z()),
+            1 if method.traces_hi_z => Some(make_hi_z_twin()),
             1 if walks_pyramid => Some(Twin::Unified),
             _ => None,
         };
@@ -187,7 +188,7 @@ impl Inspection {
         let mut counts: Vec<(PathCode, usize)> = Vec::new();
         // The fourth channel of a hit has the path code.
         for code in self.hits.iter().flat_map(Pixels::texels).filter_map(|t| PathCode::from_channel(t[3])) {
-            match counts.iter_mut().find(|(known, _)| *known == code) {
+            match counts.iter_mut().find(|(counted_code, _)| *counted_code == code) {
                 Some((_, count)) => *count += 1,
                 None => counts.push((code, 1)),
             }
@@ -199,7 +200,7 @@ impl Inspection {
 
     /// Returns the number of reflecting pixels.
     pub fn reflecting(&self) -> usize {
-        (0..self.gbuffer.depth.len()).filter(|i| self.gbuffer.reflects(*i)).count()
+        (0..self.gbuffer.depth.len()).filter(|pixel| self.gbuffer.reflects(*pixel)).count()
     }
 
     /// Counts the tiles by content, which decides how much work a method that classifies tiles has.
@@ -373,7 +374,7 @@ impl Inspection {
         let direction = view_to_world.transform_vector3(setup.mirror(x, y)?).normalize().as_vec3();
         let lost = if code.is_hit() {
             // The image of hits has texture coordinates and standard depth.
-            let [u, v, depth] = [0, 1, 2].map(|c| f64::from(texel[c]));
+            let [u, v, depth] = [0, 1, 2].map(|channel| f64::from(texel[channel]));
             to_world(u * f64::from(g.width), v * f64::from(g.height), 1.0 - depth)
         } else if self.is_followed {
             match CaptureTraversal::new(&g.camera, &[]).trace_screen(&self.traversal(), x, y) {

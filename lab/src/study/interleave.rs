@@ -60,7 +60,7 @@ impl Round {
     pub fn timed(warmup: usize, samples: usize) -> Vec<Self> {
         let round = |label| Self { label, mode: Mode::Timed, camera: None };
         let warmups = (0..warmup).map(|_| round(None));
-        warmups.chain((0..samples).map(|n| round(Some(n.to_string())))).collect()
+        warmups.chain((0..samples).map(|number| round(Some(number.to_string())))).collect()
     }
 }
 
@@ -86,20 +86,20 @@ pub fn interleave(
             .any(|label| sample_in_journal(journal, &key(shot, label)).is_none())
     };
     let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
-    for (n, round) in rounds.iter().enumerate() {
+    for (round_index, round) in rounds.iter().enumerate() {
         shared.draw_anew();
         for turn in 0..shots.len() {
             // Each round begins with another shot, since the first shot of a round may find colder caches.
-            let shot = (n + turn) % shots.len();
+            let shot = (round_index + turn) % shots.len();
             let key = round.label.as_deref().map(|label| key(shot, label));
             if lacking[shot] && key.as_ref().is_none_or(|key| sample_in_journal(journal, key).is_none()) {
                 if let Some(camera) = round.camera {
                     shots[shot].camera = camera;
                 }
                 let name = key.clone().unwrap_or_else(|| format!("shot {shot}, warm-up"));
-                let run = || shared.output(stage, round.mode, &shots[shot]);
+                let draw = || shared.output(stage, round.mode, &shots[shot]);
                 let (report, drawn, _) =
-                    zones.frame(&name, run, |result| result.as_ref().ok().map(|(report, ..)| report))?;
+                    zones.frame(&name, draw, |result| result.as_ref().ok().map(|(report, ..)| report))?;
                 if let Some(key) = key {
                     journal.put(key, &Sample { report, drawn })?;
                 }
@@ -129,8 +129,9 @@ mod tests {
         let mut shots = shared.shots(&mut stage, methods, Wants::IMAGE, camera, &materials).expect("shots");
         let mut journal = Journal::resume([].into_iter(), None);
         let key = |shot: usize, label: &str| format!("{shot} {label}");
-        let both = (&mut shared, &mut shots[..]);
-        interleave(&mut stage, both, &Round::timed(0, 2), &key, &mut journal, &mut || Ok(())).expect("samples");
+        let shared_and_shots = (&mut shared, &mut shots[..]);
+        interleave(&mut stage, shared_and_shots, &Round::timed(0, 2), &key, &mut journal, &mut || Ok(()))
+            .expect("samples");
         let scene_ms = |shot, round| {
             let sample = sample_in_journal(&journal, &key(shot, round)).expect("a sample");
             sample.report.passes.iter().filter(|p| !p.counted).map(|p| p.ms).collect::<Vec<_>>()

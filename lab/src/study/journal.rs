@@ -18,7 +18,9 @@ pub type Sink = Box<dyn FnMut(&str) -> Result<()>>;
 /// Results of measurements, each under a key. A sink, if there is one, gets a line for each new result.
 #[derive(Default)]
 pub struct Journal {
-    known: HashMap<String, Value>,
+    /// The known results, by key.
+    results: HashMap<String, Value>,
+    /// Where the lines of new results go.
     sink: Option<Sink>,
 }
 
@@ -26,22 +28,22 @@ impl Journal {
     /// Makes a journal that has the entries of some lines, and writes new entries to a sink, if given. Lines that are
     /// no entries are ignored.
     pub fn resume<'l>(lines: impl Iterator<Item = &'l str>, sink: Option<Sink>) -> Self {
-        Self { known: lines.filter_map(entry).collect(), sink }
+        Self { results: lines.filter_map(entry).collect(), sink }
     }
 
     /// Returns the result with a key; `None` if there is none, or if it cannot be read as type `T`.
     pub fn get<T: DeserializeOwned>(&self, key: &str) -> Option<T> {
-        T::deserialize(self.known.get(key)?).ok()
+        T::deserialize(self.results.get(key)?).ok()
     }
 
     /// Returns the keys of all known results, in no order.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
-        self.known.keys().map(String::as_str)
+        self.results.keys().map(String::as_str)
     }
 
     /// Returns the result with a key as JSON.
     pub fn value(&self, key: &str) -> Option<&Value> {
-        self.known.get(key)
+        self.results.get(key)
     }
 
     /// Adds an entry of another journal, and writes its line to the sink unchanged. A line that is no entry is ignored.
@@ -53,7 +55,7 @@ impl Journal {
         if let Some(sink) = &mut self.sink {
             sink(line)?;
         }
-        self.known.insert(key, value);
+        self.results.insert(key, value);
         Ok(())
     }
 
@@ -66,7 +68,7 @@ impl Journal {
         if let Some(sink) = &mut self.sink {
             sink(&json!({ "key": key, "value": value }).to_string())?;
         }
-        self.known.insert(key, value);
+        self.results.insert(key, value);
         Ok(())
     }
 }

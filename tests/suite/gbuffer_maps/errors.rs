@@ -1,7 +1,7 @@
 //! Tests mistakes in a map, or in the files that it names: each gets one sentence that says the mistake and its place.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
-use super::named;
+use super::named_channels;
 use crate::common::folder::Folder;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::Compression;
@@ -39,18 +39,19 @@ const SIZE: [u32; 2] = [4, 3];
 /// Makes a folder with a frame of 4×3 pixels, and with files that do not fit the frame.
 pub fn folder() -> Folder {
     let folder = Folder::new();
-    let flat = |v: f64| floats(vec![v; 12]);
+    // A channel with one value in all pixels.
+    let flat = |value: f64| floats(vec![value; 12]);
     let names = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B", "behind", "far", "nan", "two"];
     let values = [2.0, 0.0, 0.0, -1.0, 0.25, 1.0, 0.5, 0.25, -2.0, 1e10, f64::NAN, 2.0];
-    let frame = Part::new(named(&names, values.map(flat)))
+    let frame = Part::new(named_channels(&names, values.map(flat)))
         .with("lens", AttributeValue::F32(60.0))
         .with("scene", AttributeValue::Text("corridor".into()));
     write_exr(&folder.path("f.exr"), SIZE, vec![frame]);
-    let left = Part::new(named(&["R", "Z"], [flat(1.0), flat(2.0)])).named("left");
-    let right = Part::new(named(&["R"], [flat(1.0)])).named("right");
+    let left = Part::new(named_channels(&["R", "Z"], [flat(1.0), flat(2.0)])).named("left");
+    let right = Part::new(named_channels(&["R"], [flat(1.0)])).named("right");
     write_exr(&folder.path("parts.exr"), SIZE, vec![left, right]);
-    write_exr(&folder.path("small.exr"), [2, 2], vec![Part::new(named(&["R"], [floats(vec![1.0; 4])]))]);
-    let b44 = Part::new(named(&["R"], [halves(vec![1.0; 12])])).compressed(Compression::B44);
+    write_exr(&folder.path("small.exr"), [2, 2], vec![Part::new(named_channels(&["R"], [floats(vec![1.0; 4])]))]);
+    let b44 = Part::new(named_channels(&["R"], [halves(vec![1.0; 12])])).compressed(Compression::B44);
     write_exr(&folder.path("b44.exr"), SIZE, vec![b44]);
     write_exr(&folder.path("piece.exr"), SIZE, vec![piece()]);
     write_png(&folder.path("p.png"), SIZE, |_| [1.0; 3]);
@@ -60,20 +61,21 @@ pub fn folder() -> Folder {
 
 /// Returns a part of 4×3 pixels that does not begin where the image does.
 fn piece() -> Part {
-    let mut part = Part::new(named(&["R"], [floats(vec![1.0; 12])]));
+    let mut part = Part::new(named_channels(&["R"], [floats(vec![1.0; 12])]));
     part.attributes.layer_position = exr::prelude::Vec2(1, 0);
     part
 }
 
-/// Returns the error about a map that is [`MAP`] with some pieces replaced by others, without the path of the folder.
-pub fn said(folder: &Folder, changes: &[(&str, &str)]) -> String {
-    let map = changes.iter().fold(MAP.to_owned(), |map, (from, to)| {
-        assert!(map.contains(from), "{from} is in the map");
-        map.replacen(from, to, 1)
+/// Returns the error about [`MAP`] with some changes, without the path of the folder. Each change is a piece of the map
+/// and the text that replaces it.
+pub fn map_error(folder: &Folder, changes: &[(&str, &str)]) -> String {
+    let map = changes.iter().fold(MAP.to_owned(), |map, (piece, replacement)| {
+        assert!(map.contains(piece), "{piece} is in the map");
+        map.replacen(piece, replacement, 1)
     });
     folder.write("map.toml", map);
-    let read = GBufferMap::load(&folder.path("map.toml")).and_then(|map| map.read(&folder.path("f.exr")));
-    let error = read.err().unwrap_or_else(|| panic!("{changes:?} is read")).to_string();
+    let result = GBufferMap::load(&folder.path("map.toml")).and_then(|map| map.read(&folder.path("f.exr")));
+    let error = result.err().unwrap_or_else(|| panic!("{changes:?} is read")).to_string();
     error.replace(&format!("{}/", folder.root().display()), "")
 }
 
@@ -245,7 +247,7 @@ fn a_mistake_in_the_map_has_its_line() {
             "map.toml:11: [depth]: near must be above 0 and far above near, not 2 and 1",
         ),
     ] {
-        let text = said(&folder, &[(from, to)]);
+        let text = map_error(&folder, &[(from, to)]);
         assert!(text.starts_with(sentence) && text.lines().count() == 1, "{to}:\n{text}\n{sentence}");
     }
 }
@@ -282,7 +284,7 @@ fn a_projection_that_does_not_go_with_the_conventions_is_named() {
             "has its far plane at infinity: say far",
         ),
     ] {
-        let text = said(&folder, &[("fov-y-deg = 60.0", projection), others]);
+        let text = map_error(&folder, &[("fov-y-deg = 60.0", projection), others]);
         assert!(text.contains(sentence) && text.contains("[camera]: "), "{text}");
         let line = text.strip_prefix("map.toml:").unwrap().split(':').next().unwrap();
         assert!(["6", "7"].contains(&line), "{text}");
@@ -360,7 +362,7 @@ fn what_the_files_lack_is_named_with_what_they_have() {
             "map.toml:6: [camera] fov-y-deg: there is no key \"name\" here; there are attribute, file, part",
         ),
     ] {
-        assert_eq!(said(&folder, &[(from, to)]), sentence, "{to}");
+        assert_eq!(map_error(&folder, &[(from, to)]), sentence, "{to}");
     }
     let elsewhere = MAP
         .replace("channel = ", "file = \"f.exr\"\nchannel = ")
@@ -368,8 +370,8 @@ fn what_the_files_lack_is_named_with_what_they_have() {
     folder.write("map.toml", elsewhere);
     let map = GBufferMap::load(&folder.path("map.toml")).unwrap();
     assert!(map.read(&folder.path("f.exr")).is_ok(), "a name may be that of the main file");
-    let said = map.read(&folder.path("other.exr")).unwrap_err().to_string();
-    assert!(said.contains("map.toml: the map takes nothing from ") && said.ends_with("without `file`"), "{said}");
+    let text = map.read(&folder.path("other.exr")).unwrap_err().to_string();
+    assert!(text.contains("map.toml: the map takes nothing from ") && text.ends_with("without `file`"), "{text}");
 }
 
 /// A value that is not allowed is refused with its section, value, pixel, channel and file. In pixels of sky, materials
@@ -422,19 +424,20 @@ fn values_that_cannot_be_are_named_with_their_pixel() {
             "map.toml:22: [[color]]: it is NaN at pixel 0, 0 (R, G, nan of f.exr); it must be finite",
         ),
     ] {
-        assert_eq!(said(&folder, &[(from, to)]), sentence, "{to}");
+        assert_eq!(map_error(&folder, &[(from, to)]), sentence, "{to}");
     }
     // In pixels of sky, the values of materials do not matter.
     let all_sky = [("channel = \"Z\"", "channel = \"far\""), ("channel = \"rough\"", "channel = \"two\"")];
     let map = all_sky.iter().fold(MAP.to_owned(), |map, (from, to)| map.replacen(from, to, 1));
     folder.write("map.toml", map);
-    let read = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
-    assert!(read.depth.iter().chain(&read.roughness).all(|v| *v == 0.0));
+    let gbuffer = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
+    assert!(gbuffer.depth.iter().chain(&gbuffer.roughness).all(|v| *v == 0.0));
     // A surface without a normal does not reflect.
-    let none = MAP.replace("channels = [\"N.X\", \"N.Y\", \"N.Z\"]", "channels = [\"N.X\", \"N.X\", \"N.X\"]");
-    folder.write("map.toml", none);
-    let read = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
-    assert!(read.reflecting().iter().all(|r| !r) && read.depth.iter().all(|d| *d > 0.0));
+    let without_normals =
+        MAP.replace("channels = [\"N.X\", \"N.Y\", \"N.Z\"]", "channels = [\"N.X\", \"N.X\", \"N.X\"]");
+    folder.write("map.toml", without_normals);
+    let gbuffer = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
+    assert!(gbuffer.reflecting().iter().all(|reflects| !reflects) && gbuffer.depth.iter().all(|d| *d > 0.0));
 }
 
 /// `gbuffer reflect` and `gbuffer convert` end with status 1 and the sentence about the map, and write no image.

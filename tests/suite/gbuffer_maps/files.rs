@@ -7,7 +7,7 @@ use exr::prelude::{Compression, LineOrder, Vec2, WritableImage};
 use half::f16;
 use std::path::Path;
 
-/// A part of an OpenEXR file that is to be written.
+/// A part of an OpenEXR file for [`write_exr`].
 pub struct Part {
     pub name: Option<String>,
     pub channels: Vec<(String, FlatSamples)>,
@@ -93,7 +93,8 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], parts: Vec<Part>) {
     image.write().non_parallel().to_file(path).unwrap();
 }
 
-/// Writes a PNG of 8 bits from values of 0 to 1, and returns the rounded values that the file holds, from 0 to 1.
+/// Writes a PNG of 8 bits from values of 0 to 1; `texel` returns those of the pixel with an index. Returns the rounded
+/// values that the file holds, from 0 to 1.
 pub fn write_png(path: &Path, [width, height]: [u32; 2], texel: impl Fn(usize) -> [f64; 3]) -> Vec<[f64; 3]> {
     let bytes: Vec<[u8; 3]> = (0..width as usize * height as usize)
         .map(|i| texel(i).map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8))

@@ -1,7 +1,7 @@
 //! Tests cameras of maps: one lens said in every way, in the conventions of the graphics interfaces, with a shift.
 
 use super::files::{Part, floats, write_exr};
-use super::named;
+use super::named_channels;
 use crate::common::folder::Folder;
 use glam::{DMat4, DVec3, DVec4, Mat4};
 use ssct_scenes::gbuffer_map::GBufferMap;
@@ -29,8 +29,9 @@ fn depths() -> Vec<f64> {
 /// the camera and the reversed depths.
 fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item = f64>) -> (Camera, Vec<f32>) {
     let folder = Folder::new();
-    let flat = |v: f64| floats(vec![v; 32]);
-    let channels = named(&["d", "zero", "one"], [floats(values), flat(0.0), flat(1.0)]);
+    // A channel with one value in all pixels.
+    let flat = |value: f64| floats(vec![value; 32]);
+    let channels = named_channels(&["d", "zero", "one"], [floats(values), flat(0.0), flat(1.0)]);
     write_exr(&folder.path("f.exr"), SIZE, vec![Part::new(channels)]);
     let map = format!(
         "[conventions]\n{conventions}\n[camera]\n{camera}\n[depth]\nchannel = \"d\"\n{depth}\n[normal]\nspace = \
@@ -44,15 +45,15 @@ fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item
 }
 
 /// Checks that two cameras show points at the same places and depths.
-fn same(a: &Camera, b: &Camera) {
+fn assert_same_camera(a: &Camera, b: &Camera) {
     for point in [DVec3::new(0.3, -0.2, 1.0), DVec3::new(-4.0, 2.0, 7.0), DVec3::new(5.0, 5.0, 39.0)] {
-        let [a, b] = [a, b].map(|c| (c.view_to_clip_reversed().as_dmat4()).project_point3(point));
+        let [a, b] = [a, b].map(|camera| (camera.view_to_clip_reversed().as_dmat4()).project_point3(point));
         assert!(a.distance(b) < 2e-6, "{point}: {a} {b}");
     }
     assert!(a.world_to_view.abs_diff_eq(b.world_to_view, 1e-5), "{} {}", a.world_to_view, b.world_to_view);
 }
 
-/// Returns the values of a channel that holds view depths in metres.
+/// Returns the values of [`depths`] for a channel.
 fn view_z() -> impl Iterator<Item = f64> {
     depths().into_iter()
 }
@@ -63,28 +64,28 @@ fn view_z() -> impl Iterator<Item = f64> {
 fn a_lens_can_be_said_in_every_way() {
     let planes = format!("near = {NEAR}\nfar = {FAR}");
     let linear = "kind = \"view-z\"";
-    let (plain, depth) = read("", &format!("fov-y-rad = {FOV}\n{planes}"), linear, view_z());
+    let (first_camera, depth) = read("", &format!("fov-y-rad = {FOV}\n{planes}"), linear, view_z());
     let reversed = |z: f64| if z >= FAR { 0.0 } else { NEAR * (FAR - z) / (z * (FAR - NEAR)) };
     assert!(depth.iter().zip(depths()).all(|(d, z)| (f64::from(*d) - reversed(z)).abs() < 1e-6), "{depth:?}");
     let fov_x = 2.0 * ((0.5 * FOV).tan() * ASPECT).atan();
-    let width = 36.0;
-    let length = 0.5 * width / ((0.5 * FOV).tan() * ASPECT);
+    let sensor_width_mm = 36.0;
+    let focal_length_mm = 0.5 * sensor_width_mm / ((0.5 * FOV).tan() * ASPECT);
     for lens in [
         format!("fov-y-deg = {}", FOV.to_degrees()),
         format!("fov-x-rad = {fov_x}"),
         format!("fov-x-deg = {}", fov_x.to_degrees()),
-        format!("focal-length-mm = {length}\nsensor-width-mm = {width}"),
-        format!("focal-length-mm = {length}\nsensor-height-mm = {}\naspect = 2", width / ASPECT),
+        format!("focal-length-mm = {focal_length_mm}\nsensor-width-mm = {sensor_width_mm}"),
+        format!("focal-length-mm = {focal_length_mm}\nsensor-height-mm = {}\naspect = 2", sensor_width_mm / ASPECT),
     ] {
         let (camera, depth_found) = read("", &format!("{lens}\n{planes}"), linear, view_z());
-        same(&camera, &plain);
+        assert_same_camera(&camera, &first_camera);
         assert!(depth_found == depth, "{lens}");
     }
     // In centimetres, with distances in metres: the units of the camera are those of the conventions.
     let centimetres = format!("fov-y-rad = {FOV}\nnear = {}\nfar = {}", NEAR * 100.0, FAR * 100.0);
     let (camera, depth_found) =
         read("metres-per-unit = 0.01", &centimetres, "kind = \"view-z\"\nscale = 100", view_z());
-    same(&camera, &plain);
+    assert_same_camera(&camera, &first_camera);
     assert!(depth_found.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6));
     // A depth that points the other way.
     let (_, depth_found) =
@@ -104,8 +105,9 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
     let [width, height] = SIZE.map(f64::from);
     let pixel = [(f64::from(ahead.x) * 0.5 + 0.5) * width, (0.5 - 0.5 * f64::from(ahead.y)) * height];
     assert!((pixel[0] - 4.0 - SHIFT[0]).abs() < 1e-6 && (pixel[1] - 2.0 - SHIFT[1]).abs() < 1e-6, "{pixel:?}");
-    let y = 1.0 / (0.5 * FOV).tan();
-    let (u, v) = (2.0 * SHIFT[0] / width, -2.0 * SHIFT[1] / height);
+    let scale_y = 1.0 / (0.5 * FOV).tan();
+    // The shift in clip space.
+    let (shift_x, shift_y) = (2.0 * SHIFT[0] / width, -2.0 * SHIFT[1] / height);
     // Kinds of depth: the name, the elements M_22 and M_23 of the matrix, the stored depth as a function of z, and
     // whether the map must give the planes.
     let standard = |z: f64| FAR * (z - NEAR) / (z * (FAR - NEAR));
@@ -122,17 +124,17 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
         ),
     ];
     let world = DMat4::from_rotation_y(0.4) * DMat4::from_translation(DVec3::new(1.0, -2.0, 0.5));
-    for (kind, [a, b], stored_depth, needs_planes) in &kinds {
+    for (kind, [m_22, m_23], stored_depth, needs_planes) in &kinds {
         for (view, forward, up) in [("left", 1.0, 1.0), ("right", -1.0, 1.0), ("right-y-down", 1.0, -1.0)] {
             for clip_y in ["up", "down"] {
                 // `flip` is the sign of y in clip space relative to this program's view space, and flip · up that
                 // relative to theirs.
                 let flip = if clip_y == "up" { 1.0 } else { -1.0 };
                 let clip = DMat4::from_cols(
-                    DVec4::new(y / ASPECT, 0.0, 0.0, 0.0),
-                    DVec4::new(0.0, flip * up * y, 0.0, 0.0),
-                    DVec4::new(u, flip * v, *a, 1.0) * forward,
-                    DVec4::new(0.0, 0.0, *b, 0.0),
+                    DVec4::new(scale_y / ASPECT, 0.0, 0.0, 0.0),
+                    DVec4::new(0.0, flip * up * scale_y, 0.0, 0.0),
+                    DVec4::new(shift_x, flip * shift_y, *m_22, 1.0) * forward,
+                    DVec4::new(0.0, 0.0, *m_23, 0.0),
                 );
                 let to_their_view = DMat4::from_scale(DVec3::new(1.0, up, forward));
                 let far = if *needs_planes { format!("far = {FAR}\nnear = {NEAR}\n") } else { String::new() };
@@ -144,7 +146,7 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
                 let (camera, depth_found) =
                     read(&conventions, &camera, &kind_key, depths().into_iter().map(|z| stored_depth(z.min(FAR))));
                 let expected = Camera { world_to_view: world.as_mat4(), ..expected };
-                same(&camera, &expected);
+                assert_same_camera(&camera, &expected);
                 assert!((camera.lens.far_m / expected.lens.far_m - 1.0).abs() < 1e-4, "{kind} {view}");
                 // Standard depth in 32 bits is rounded by 2⁻²⁵, twice as much where its range is twice as large.
                 let close = |(a, b): (&f32, &f32)| (a - b).abs() < 3e-7 + 2e-6 * b;
@@ -157,8 +159,8 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
     let (_, depth_found) = read("", &shifted, "kind = \"reversed\"", values());
     assert!(depth_found.iter().map(|d| f64::from(*d)).eq(values()), "{depth_found:?}");
     // The depth buffer has other planes than the camera.
-    let other = format!("fov-y-rad = {FOV}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
-    let (_, depth_found) = read("", &other, "kind = \"reversed\"\nnear = 0.25\nfar = inf", view_z().map(|z| 0.25 / z));
+    let lens = format!("fov-y-rad = {FOV}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
+    let (_, depth_found) = read("", &lens, "kind = \"reversed\"\nnear = 0.25\nfar = inf", view_z().map(|z| 0.25 / z));
     assert!(depth_found.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6), "{depth_found:?} {depth:?}");
 }
 
@@ -167,20 +169,23 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
 #[test]
 fn a_camera_can_stand_and_be_upright_in_every_world() {
     let lens = format!("fov-y-rad = {FOV}\nnear = {NEAR}\nfar = {FAR}");
-    let place = |conventions: &str, place: &str| {
-        read(conventions, &format!("{lens}\n{place}"), "kind = \"view-z\"", view_z()).0.world_to_view
+    let world_to_view = |conventions: &str, pose: &str| {
+        read(conventions, &format!("{lens}\n{pose}"), "kind = \"view-z\"", view_z()).0.world_to_view
     };
     let (eye, look_at) = (glam::Vec3::new(1.0, 2.0, 3.0), glam::Vec3::new(-2.0, 1.0, 7.0));
     let expected = Camera::new(eye, look_at, ssct_scenes::Lens::default(), ASPECT as f32).world_to_view;
     let forward = "forward = [-3, -1, 4]";
-    assert_eq!(place("", "eye = [1, 2, 3]\nlook-at = [-2, 1, 7]"), expected);
+    assert_eq!(world_to_view("", "eye = [1, 2, 3]\nlook-at = [-2, 1, 7]"), expected);
     let check = |found: Mat4| assert!(found.abs_diff_eq(expected, 1e-6), "{found} {expected}");
-    check(place("", &format!("eye = [1, 2, 3]\n{forward}")));
-    check(place("", &format!("eye = [1, 2, 3]\n{forward}\nup = [0, 5, 0]")));
-    check(place("world = \"right\"", "eye = [1, 2, -3]\nlook-at = [-2, 1, -7]"));
-    check(place("world = \"right-z-up\"", "eye = [1, 3, 2]\nlook-at = [-2, 7, 1]\nup = [0, 0, 1]"));
-    check(place("world = \"left-z-up\"\nmetres-per-unit = 0.01", "eye = [300, 100, 200]\nlook-at = [700, -200, 100]"));
-    let leaning = place("", &format!("eye = [1, 2, 3]\n{forward}\nup = [1, 1, 0]"));
+    check(world_to_view("", &format!("eye = [1, 2, 3]\n{forward}")));
+    check(world_to_view("", &format!("eye = [1, 2, 3]\n{forward}\nup = [0, 5, 0]")));
+    check(world_to_view("world = \"right\"", "eye = [1, 2, -3]\nlook-at = [-2, 1, -7]"));
+    check(world_to_view("world = \"right-z-up\"", "eye = [1, 3, 2]\nlook-at = [-2, 7, 1]\nup = [0, 0, 1]"));
+    check(world_to_view(
+        "world = \"left-z-up\"\nmetres-per-unit = 0.01",
+        "eye = [300, 100, 200]\nlook-at = [700, -200, 100]",
+    ));
+    let leaning = world_to_view("", &format!("eye = [1, 2, 3]\n{forward}\nup = [1, 1, 0]"));
     assert!(!leaning.abs_diff_eq(expected, 0.1) && (leaning.determinant() - 1.0).abs() < 1e-5);
 }
 
@@ -194,25 +199,27 @@ fn an_orthographic_lens_can_be_said_in_every_way() {
     let planes = format!("near = {NEAR}\nfar = {FAR}");
     let linear = "kind = \"view-z\"";
     let reversed = |z: f64| if z >= FAR { 0.0 } else { (FAR - z) / (FAR - NEAR) };
-    let (plain, depth) = read("", &format!("orthographic-height = {HEIGHT}\n{planes}"), linear, view_z());
-    assert_eq!(plain.lens, Lens::orthographic(HEIGHT as f32, NEAR as f32, FAR as f32));
+    let (first_camera, depth) = read("", &format!("orthographic-height = {HEIGHT}\n{planes}"), linear, view_z());
+    assert_eq!(first_camera.lens, Lens::orthographic(HEIGHT as f32, NEAR as f32, FAR as f32));
     assert!(depth.iter().zip(depths()).all(|(d, z)| (f64::from(*d) - reversed(z)).abs() < 1e-6), "{depth:?}");
     let wide = format!("orthographic-width = {}\n{planes}", HEIGHT * ASPECT);
     // Rays of sight are parallel, so that a distance along one is a difference of z.
     let (camera, depth_found) = read("", &wide, "kind = \"distance\"", view_z());
-    same(&camera, &plain);
+    assert_same_camera(&camera, &first_camera);
     assert!(depth_found == depth);
     let centimetres = format!("orthographic-height = {}\nnear = {}\nfar = {}", HEIGHT * 1e2, NEAR * 1e2, FAR * 1e2);
     let (camera, depth_found) =
         read("metres-per-unit = 0.01", &centimetres, "kind = \"view-z\"\nscale = 100", view_z());
-    same(&camera, &plain);
+    assert_same_camera(&camera, &first_camera);
     assert!(depth_found.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6));
     // By the matrix of projection: two handednesses, three kinds of depth, a shifted window, in metres and in
     // centimetres.
     let shifted = format!("orthographic-height = {HEIGHT}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
     let (expected, _) = read("", &shifted, linear, view_z());
     let [width, height] = SIZE.map(f64::from);
-    let (u, v) = (2.0 * SHIFT[0] / width, -2.0 * SHIFT[1] / height);
+    // The shift in clip space.
+    let (shift_x, shift_y) = (2.0 * SHIFT[0] / width, -2.0 * SHIFT[1] / height);
+    // Kinds of depth: the name, the line a + b z along which depth rises from `least_depth` to 1, and `least_depth`.
     for (kind, a, b, least_depth) in
         [("standard", -NEAR, 1.0, 0.0), ("reversed", FAR, -1.0, 0.0), ("minus-one-to-one", -NEAR, 1.0, -1.0)]
     {
@@ -224,14 +231,14 @@ fn an_orthographic_lens_can_be_said_in_every_way() {
                     DVec4::new(unit * 2.0 / (HEIGHT * ASPECT), 0.0, 0.0, 0.0),
                     DVec4::new(0.0, unit * 2.0 / HEIGHT, 0.0, 0.0),
                     DVec4::new(0.0, 0.0, unit * forward * b / range, 0.0),
-                    DVec4::new(u, v, least_depth + a / range, 1.0),
+                    DVec4::new(shift_x, shift_y, least_depth + a / range, 1.0),
                 );
                 let projection = format!("projection = {:?}", clip.transpose().to_cols_array_2d());
                 let conventions = format!("view = \"{view}\"\nmatrices = \"rows\"\nmetres-per-unit = {unit}");
                 let depth_kind = format!("kind = \"{kind}\"");
                 let (camera, depth_found) =
                     read(&conventions, &projection, &depth_kind, view_z().map(|z| stored_depth(z.min(FAR))));
-                same(&camera, &expected);
+                assert_same_camera(&camera, &expected);
                 assert!(
                     depth_found.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6),
                     "{kind} {view}: {depth_found:?}"

@@ -1,7 +1,7 @@
 //! Tests the map for Mitsuba on a frame of its layout: a floor and a ball, whose depth is counted from the near plane.
 
 use super::files::{Part, floats, write_exr};
-use super::named;
+use super::named_channels;
 use crate::common::folder::Folder;
 use crate::common::repository;
 use glam::DVec3;
@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [160, 90];
 /// The surface that a pixel shows. `from_near` is the distance along the ray from the near plane, 0 for sky; place and
 /// normal are in the renderer's world. The number `shape` is 1 for the ball, 2 for the floor and 0 for sky.
 #[derive(Clone, Copy)]
-struct Seen {
+struct VisibleSurface {
     from_near: f64,
     place: DVec3,
     normal: DVec3,
@@ -22,7 +22,7 @@ struct Seen {
 
 /// Traces pixel (`x`, `y`) of the scene of `mitsuba_scene.py`, in its own right-handed world, through the camera of the
 /// map.
-fn seen(x: u32, y: u32) -> Seen {
+fn visible_surface(x: u32, y: u32) -> VisibleSurface {
     let (eye, target, near) = (DVec3::new(2.5, 1.6, -5.0), DVec3::new(0.0, 0.6, 0.0), 0.5);
     let forward = (target - eye).normalize();
     let right = forward.cross(DVec3::Y).normalize();
@@ -34,24 +34,26 @@ fn seen(x: u32, y: u32) -> Seen {
     let ray = forward + across * right + above * up;
     let centre = DVec3::new(0.0, 0.9, 0.0);
     let from_centre = eye - centre;
+    // The ball is hit where a t² + 2 b t + c = 0.
     let (a, b, c) = (ray.length_squared(), from_centre.dot(ray), from_centre.length_squared() - 0.81);
-    let ball = if b * b > a * c { (-b - (b * b - a * c).sqrt()) / a } else { f64::INFINITY };
-    let floor = if ray.y < 0.0 { -eye.y / ray.y } else { f64::INFINITY };
-    let z = ball.min(floor);
+    let ball_t = if b * b > a * c { (-b - (b * b - a * c).sqrt()) / a } else { f64::INFINITY };
+    let floor_t = if ray.y < 0.0 { -eye.y / ray.y } else { f64::INFINITY };
+    let z = ball_t.min(floor_t);
     let place = eye + z * ray;
     if !z.is_finite() || place.abs().max_element() > 6.0 {
-        return Seen { from_near: 0.0, place: DVec3::ZERO, normal: DVec3::ZERO, shape: 0.0 };
+        return VisibleSurface { from_near: 0.0, place: DVec3::ZERO, normal: DVec3::ZERO, shape: 0.0 };
     }
-    let (normal, shape) = if ball < floor { ((place - centre) / 0.9, 1.0) } else { (DVec3::Y, 2.0) };
-    Seen { from_near: (z - near) * ray.length(), place, normal, shape }
+    let (normal, shape) = if ball_t < floor_t { ((place - centre) / 0.9, 1.0) } else { (DVec3::Y, 2.0) };
+    VisibleSurface { from_near: (z - near) * ray.length(), place, normal, shape }
 }
 
 /// The frame read by the map agrees with its own places of surfaces. If the map named another kind of depth, the check
 /// would name the right one. No other renderer counts depth from the near plane.
 #[test]
 fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
-    let pixels: Vec<Seen> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| seen(x, y))).collect();
-    let channel = |value: &dyn Fn(&Seen) -> f64| floats(pixels.iter().map(value));
+    let pixels: Vec<VisibleSurface> =
+        (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| visible_surface(x, y))).collect();
+    let channel = |value: &dyn Fn(&VisibleSurface) -> f64| floats(pixels.iter().map(value));
     let names = ["depth.T", "normal.X", "normal.Y", "normal.Z", "place.X", "place.Y", "place.Z", "shape.I"];
     let samples = [
         channel(&|s| s.from_near),
@@ -64,9 +66,13 @@ fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
         channel(&|s| s.shape),
     ];
     let folder = Folder::new();
-    write_exr(&folder.path("frame.exr"), SIZE, vec![Part::new(named(&names, samples))]);
+    write_exr(&folder.path("frame.exr"), SIZE, vec![Part::new(named_channels(&names, samples))]);
     let grey = ["R", "G", "B"];
-    write_exr(&folder.path("lit.exr"), SIZE, vec![Part::new(named(&grey, [0, 1, 2].map(|_| channel(&|_| 0.5))))]);
+    write_exr(
+        &folder.path("lit.exr"),
+        SIZE,
+        vec![Part::new(named_channels(&grey, [0, 1, 2].map(|_| channel(&|_| 0.5))))],
+    );
     let map = GBufferMap::load(&repository().join("examples/gbuffer-maps/mitsuba.toml")).unwrap();
     let file = folder.path("frame.exr");
     let data = map.read(&file).unwrap();
@@ -78,7 +84,7 @@ fn the_map_of_mitsuba_counts_depth_from_the_near_plane() {
 
     let text = std::fs::read_to_string(repository().join("examples/gbuffer-maps/mitsuba.toml")).unwrap();
     folder.write("wrong.toml", text.replace("distance-from-near", "distance"));
-    let wrong = GBufferMap::load(&folder.path("wrong.toml")).unwrap();
-    let message = wrong.check(&file, &wrong.read(&file).unwrap()).unwrap().unwrap();
+    let wrong_map = GBufferMap::load(&folder.path("wrong.toml")).unwrap();
+    let message = wrong_map.check(&file, &wrong_map.read(&file).unwrap()).unwrap().unwrap();
     assert!(message.contains("with kind = \"distance-from-near\" in [depth] it would be 0 %"), "{message}");
 }

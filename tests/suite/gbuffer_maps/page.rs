@@ -1,6 +1,6 @@
 //! Tests that the page on maps, docs/gbuffer-maps.md, has every key of every section, and no other.
 
-use super::errors::{folder, said};
+use super::errors::{folder, map_error};
 use crate::common::repository;
 
 /// For each section of a map, the table on the page has the keys that the error about an unknown key lists. A new key
@@ -28,12 +28,13 @@ fn the_page_has_every_key() {
         ("[[color]]", vec![]),
     ] {
         let unknown = format!("{section}\nunknown-key = 1");
-        let text = said(&folder, &[&change[..], &[(section, &unknown)]].concat());
+        let text = map_error(&folder, &[&change[..], &[(section, &unknown)]].concat());
         let (_, keys) = text.split_once("there is no key \"unknown-key\" here; there are ").expect(&text);
         let heading = format!("### `{section}`");
-        let (_, below) = page.split_once(&format!("{heading}\n")).unwrap_or_else(|| panic!("no {heading}"));
-        let below = below.split("\n#").next().unwrap();
-        let rows = below.lines().filter(|l| l.starts_with("| `") && !l.starts_with("| `\""));
+        let (_, section_text) = page.split_once(&format!("{heading}\n")).unwrap_or_else(|| panic!("no {heading}"));
+        let section_text = section_text.split("\n#").next().unwrap();
+        // The rows of the table of keys, which begin with a key; values in other tables are in quotation marks.
+        let rows = section_text.lines().filter(|l| l.starts_with("| `") && !l.starts_with("| `\""));
         let mut documented: Vec<&str> =
             rows.flat_map(|line| line[1..].split('|').next().unwrap().split('`').skip(1).step_by(2)).collect();
         let mut keys: Vec<&str> = keys.split(", ").collect();

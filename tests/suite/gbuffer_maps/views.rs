@@ -2,7 +2,7 @@
 
 use super::errors::MAP;
 use super::files::{Part, floats, write_exr};
-use super::named;
+use super::named_channels;
 use crate::common::folder::Folder;
 use exr::meta::attribute::AttributeValue;
 use ssct_scenes::GBufferData;
@@ -37,17 +37,17 @@ fn values(pass: &str, component: &str, is_left: bool) -> f64 {
     }
 }
 
-/// Returns a map whose channels are the passes in a layer `L`, with the text `top` before it.
+/// Returns [`MAP`] with the names that the channels have in a layer `L`, and with the text `top` before it.
 fn map(top: &str) -> String {
-    let named = [
+    let renamed = [
         ("\"Z\"", "\"L.Depth.Z\""),
         ("[\"N.X\", \"N.Y\", \"N.Z\"]", "[\"L.Normal.X\", \"L.Normal.Y\", \"L.Normal.Z\"]"),
         ("\"rough\"", "\"L.rough.V\""),
         ("[\"R\", \"G\", \"B\"]", "[\"L.Light.R\", \"L.Light.G\", \"L.Light.B\"]"),
     ];
-    let map = named.iter().fold(MAP.to_owned(), |map, (from, to)| {
-        assert!(map.contains(from), "{from}");
-        map.replacen(from, to, 1)
+    let map = renamed.iter().fold(MAP.to_owned(), |map, (name, layer_name)| {
+        assert!(map.contains(name), "{name}");
+        map.replacen(name, layer_name, 1)
     });
     format!("{top}{map}")
 }
@@ -55,17 +55,17 @@ fn map(top: &str) -> String {
 /// Reads a file by a map, and returns the G-buffer or the error.
 fn read(folder: &Folder, map: &str, file: &str) -> Result<GBufferData, String> {
     folder.write("map.toml", map);
-    GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(file)).map_err(|e| e.to_string())
+    GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path(file)).map_err(|error| error.to_string())
 }
 
 /// Writes a part for each pass and view: the part `L.Depth-left` has the channel `L.Depth.Z`. The attribute `lens` is
 /// the angle of the view's lens in degrees.
 fn write_parts(folder: &Folder) {
     let part = |(pass, components): &(&str, &[&str]), view: &str| {
-        let names: Vec<String> = components.iter().map(|c| format!("L.{pass}.{c}")).collect();
-        let samples = components.iter().map(|c| floats(vec![values(pass, c, view == "left"); 12]));
+        let names: Vec<String> = components.iter().map(|component| format!("L.{pass}.{component}")).collect();
+        let samples = components.iter().map(|component| floats(vec![values(pass, component, view == "left"); 12]));
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let mut part = Part::new(named(&names, samples)).named(&format!("L.{pass}-{view}"));
+        let mut part = Part::new(named_channels(&names, samples)).named(&format!("L.{pass}-{view}"));
         part.attributes.view_name = Some(view.into());
         part.with("lens", AttributeValue::F32(if view == "left" { 60.0 } else { 50.0 }))
     };
@@ -74,10 +74,12 @@ fn write_parts(folder: &Folder) {
 }
 
 /// Writes all passes and views in one part, with channels such as `L.Depth.left.Z`.
-fn write_one(folder: &Folder) {
+fn write_one_part(folder: &Folder) {
     let mut channels = Vec::new();
     for (pass, components) in PASSES {
-        for (view, component) in ["left", "right"].iter().flat_map(|v| components.iter().map(move |c| (v, c))) {
+        for (view, component) in
+            ["left", "right"].iter().flat_map(|view| components.iter().map(move |component| (view, component)))
+        {
             let value = values(pass, component, *view == "left");
             channels.push((format!("L.{pass}.{view}.{component}"), floats(vec![value; 12])));
         }
@@ -91,7 +93,7 @@ fn write_one(folder: &Folder) {
 fn a_view_is_read_from_parts_and_from_one_part() {
     let folder = Folder::new();
     write_parts(&folder);
-    write_one(&folder);
+    write_one_part(&folder);
     for (view, colour) in [("left", 0.5), ("right", 0.75)] {
         let map = map(&format!("view = \"{view}\"\n"));
         let of_parts = read(&folder, &map, "parts.exr").unwrap();
@@ -105,10 +107,10 @@ fn a_view_is_read_from_parts_and_from_one_part() {
 fn a_file_of_several_views_says_which_there_are() {
     let folder = Folder::new();
     write_parts(&folder);
-    let none = read(&folder, &map(""), "parts.exr").unwrap_err();
-    assert!(none.contains("or at the top of the map by view, one of left, right"), "{none}");
-    let other = read(&folder, &map("view = \"middle\"\n"), "parts.exr").unwrap_err();
-    assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
+    let without_view = read(&folder, &map(""), "parts.exr").unwrap_err();
+    assert!(without_view.contains("or at the top of the map by view, one of left, right"), "{without_view}");
+    let error = read(&folder, &map("view = \"middle\"\n"), "parts.exr").unwrap_err();
+    assert!(error.contains("there is no view \"middle\" in ") && error.ends_with("which has left, right"), "{error}");
 }
 
 /// In a part that OpenEXR's attribute `multiView` divides, plain names belong to the first view, and others have their
@@ -117,7 +119,8 @@ fn a_file_of_several_views_says_which_there_are() {
 fn views_that_share_a_part_are_told_apart_by_their_attribute() {
     let folder = Folder::new();
     let flat = |value: f64| floats(vec![value; 12]);
-    let mut channels = named(&["N.X", "N.Y", "N.Z", "N.right.X", "N.right.Z"], [0.0, 0.0, -1.0, 0.6, -0.8].map(flat));
+    let mut channels =
+        named_channels(&["N.X", "N.Y", "N.Z", "N.right.X", "N.right.Z"], [0.0, 0.0, -1.0, 0.6, -0.8].map(flat));
     for (prefix, is_left) in [("", true), ("right.", false)] {
         for (name, pass) in [("Z", "Depth"), ("rough", "rough"), ("R", "Light"), ("G", "Light"), ("B", "Light")] {
             channels.push((format!("{prefix}{name}"), flat(values(pass, name, is_left))));
@@ -127,12 +130,12 @@ fn views_that_share_a_part_are_told_apart_by_their_attribute() {
     part.attributes.multi_view_names = Some(vec!["left".into(), "right".into()]);
     write_exr(&folder.path("shared.exr"), SIZE, vec![part]);
     let of_view = |top: &str| read(&folder, &format!("{top}{MAP}"), "shared.exr");
-    let [none, left, right] = ["", "view = \"left\"\n", "view = \"right\"\n"].map(|top| of_view(top).unwrap());
-    assert!(none == left && left.depth != right.depth);
+    let [without_view, left, right] = ["", "view = \"left\"\n", "view = \"right\"\n"].map(|top| of_view(top).unwrap());
+    assert!(without_view == left && left.depth != right.depth);
     assert_eq!([left.color[0].x, right.color[0].x], [0.5, 0.75]);
     assert!(left.normal[0].x.abs() < 1e-6 && (right.normal[0].x - 0.6).abs() < 1e-6, "{}", right.normal[0]);
-    let other = of_view("view = \"middle\"\n").unwrap_err();
-    assert!(other.contains("there is no view \"middle\" in ") && other.ends_with("which has left, right"), "{other}");
+    let error = of_view("view = \"middle\"\n").unwrap_err();
+    assert!(error.contains("there is no view \"middle\" in ") && error.ends_with("which has left, right"), "{error}");
 }
 
 /// An attribute that the parts of both views have is that of the chosen view. The first part of the file is the left
@@ -153,7 +156,7 @@ fn parts_without_a_view_belong_to_every_view() {
     let channels =
         ["L.Depth.Z", "L.Normal.X", "L.Normal.Y", "L.Normal.Z", "L.rough.V", "L.Light.R", "L.Light.G", "L.Light.B"];
     let values = [2.0, 0.0, 0.0, -1.0, 0.25, 0.5, 0.5, 0.5].map(|v| floats(vec![v; 12]));
-    write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named(&channels, values))]);
+    write_exr(&folder.path("plain.exr"), SIZE, vec![Part::new(named_channels(&channels, values))]);
     let with_view = read(&folder, &map("view = \"left\"\n"), "plain.exr").unwrap();
     assert!(with_view == read(&folder, &map(""), "plain.exr").unwrap());
 }

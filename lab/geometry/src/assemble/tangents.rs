@@ -29,10 +29,11 @@ pub(super) fn make_orthonormal(triangles: &mut [Triangle]) {
     }
 }
 
-/// Triangles behind the interface through which MikkTSpace reads vertices and writes tangents.
+/// Gives MikkTSpace access to triangles: it reads their vertices and writes their tangents.
 struct Triangles<'a>(&'a mut [Triangle]);
 
 impl Geometry for Triangles<'_> {
+    /// The number of triangles.
     fn num_faces(&self) -> usize {
         self.0.len()
     }
@@ -41,10 +42,12 @@ impl Geometry for Triangles<'_> {
         3
     }
 
+    /// The position of a corner (0 to 2) of a triangle.
     fn position(&self, face: usize, corner: usize) -> [f32; 3] {
         self.0[face][corner].position
     }
 
+    /// The unit normal at a corner of a triangle.
     fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
         self.0[face][corner].normal
     }

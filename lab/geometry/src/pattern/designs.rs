@@ -34,7 +34,7 @@ fn grain(frequency: [i32; 2], octaves: u32, seed: u32) -> Grain {
 /// Makes noise like [`grain`], with a seed that depends on the texture coordinates, so that each tile or plank has
 /// noise of its own. Noise is computed at once for a run of texels with the same seed in one row.
 fn grain_with_seeds(frequency: [i32; 2], octaves: u32, seed: impl Fn(Vec2) -> u32) -> Grain {
-    let seeds: Vec<u32> = (0..SIZE * SIZE).map(|k| seed(Texel::new(k, [SIZE, SIZE]).uv)).collect();
+    let seeds: Vec<u32> = (0..SIZE * SIZE).map(|index| seed(Texel::new(index, [SIZE, SIZE]).uv)).collect();
     let mut image = Vec::with_capacity(seeds.len());
     for (row, seeds) in seeds.chunks_exact(SIDE).enumerate() {
         for run in seeds.chunk_by(|a, b| a == b) {
@@ -89,21 +89,22 @@ pub struct TileLook {
 /// Square tiles with flat faces, which reflect like clear mirrors, and rounded edges; the image is `size_m` metres
 /// wide. `face` is 0 in the grout and 1 on a tile.
 pub fn tiles(size_m: f32, look: &'static TileLook) -> Design {
-    // The point in units of a tile, measured from the corner of the first tile of its row.
-    let in_tiles = |uv: Vec2| {
+    // Returns the point in units of a tile, measured from the corner of the first tile of its row.
+    let to_tile_units = |uv: Vec2| {
         let row = (uv.y * look.count as f32).floor();
         let shift = if look.staggered && row.rem_euclid(2.0) == 1.0 { 0.5 } else { 0.0 };
         uv * look.count as f32 + Vec2::new(shift, 0.0)
     };
     let tile_id = |in_tiles: Vec2| in_tiles.floor().as_ivec2().rem_euclid(IVec2::splat(look.count));
-    let by_tile = |frequency, octaves, seed: u32, step: i32| {
-        let tile = |uv| tile_id(in_tiles(uv));
-        grain_with_seeds(frequency, octaves, |uv| seed + (tile(uv).x * step + tile(uv).y) as u32)
+    // Makes noise whose seed differs by `column_step` from one column of tiles to the next, and by 1 between rows.
+    let grain_by_tile = |frequency, octaves, seed: u32, column_step: i32| {
+        let tile = |uv| tile_id(to_tile_units(uv));
+        grain_with_seeds(frequency, octaves, |uv| seed + (tile(uv).x * column_step + tile(uv).y) as u32)
     };
-    let [veining, cloudiness] = [by_tile([5, 5], 5, 43, 7), by_tile([9, 9], 4, 45, 5)];
+    let [veining, cloudiness] = [grain_by_tile([5, 5], 5, 43, 7), grain_by_tile([9, 9], 4, 45, 5)];
     let specks = grain([96, 96], 2, 47);
     Box::new(move |texel| {
-        let in_tiles = in_tiles(texel.uv);
+        let in_tiles = to_tile_units(texel.uv);
         let (id, inside) = (tile_id(in_tiles), in_tiles - in_tiles.floor());
         // The distance to the edge of the tile, in metres.
         let edge = (0.5 - (inside - 0.5).abs()).min_element() * size_m / look.count as f32;
@@ -152,18 +153,18 @@ pub fn bricks(size_m: f32) -> Design {
 /// linear albedo of pale grain. `face` is 0 in the seams and joints and 1 on a plank.
 pub fn wood(size_m: f32, tone: Vec3) -> Design {
     let planks = 10;
-    let in_planks = move |uv: Vec2| uv.y * planks as f32;
+    let to_plank_units = move |uv: Vec2| uv.y * planks as f32;
     let plank_id = move |in_planks: f32| (in_planks.floor() as i32).rem_euclid(planks);
-    let by_plank = |frequency, octaves, seed: u32| {
-        grain_with_seeds(frequency, octaves, |uv| seed + 97 * plank_id(in_planks(uv)) as u32)
+    let grain_by_plank = |frequency, octaves, seed: u32| {
+        grain_with_seeds(frequency, octaves, |uv| seed + 97 * plank_id(to_plank_units(uv)) as u32)
     };
-    let [bending, streakiness] = [by_plank([3, 10], 3, 89), by_plank([6, 150], 2, 96)];
+    let [bending, streakiness] = [grain_by_plank([3, 10], 3, 89), grain_by_plank([6, 150], 2, 96)];
     Box::new(move |texel| {
         let uv = texel.uv;
-        let in_planks = in_planks(uv);
+        let in_planks = to_plank_units(uv);
         let id = IVec2::new(0, plank_id(in_planks));
-        let joint = uv.x - unit(id, 101);
-        let to_joint = (joint - joint.round()).abs() * size_m;
+        let from_joint = uv.x - unit(id, 101);
+        let to_joint = (from_joint - from_joint.round()).abs() * size_m;
         let across = in_planks - in_planks.floor();
         let to_seam = (0.5 - (across - 0.5).abs()) * size_m / planks as f32;
         let face = smoothstep(0.001, 0.006, to_seam.min(to_joint));
@@ -251,7 +252,7 @@ pub fn foliage(size_m: f32) -> Design {
     })
 }
 
-/// Makes the wetness of a road: from 0.85 to 1 in a puddle, and from 0.2 to 0.35 where the road is only damp.
+/// Makes the factor on the reflectivity of a wet road: from 0.85 to 1 in a puddle, and from 0.2 to 0.35 elsewhere.
 pub fn wetness() -> Grain {
     let (damp, puddle) = (grain([12, 12], 3, 163), puddle());
     Box::new(move |texel| 0.2 + 0.15 * damp(texel) + 0.65 * puddle(texel))

@@ -38,9 +38,10 @@ impl Text {
         let step = if self.stacked { Vec2::new(0.0, LETTER.y + GAP.y) } else { Vec2::new(LETTER.x + GAP.x, 0.0) };
         let letters = self.letters.chars().enumerate();
         letters
+            // Each letter, with the point relative to the letter's own top left.
             .map(|(index, letter)| (point - step * index as f32, letter))
-            .filter(|(place, _)| place.cmpgt(-GAP).all() && place.cmplt(LETTER + GAP).all())
-            .flat_map(|(place, letter)| strokes(letter).iter().map(move |stroke| distance_to_stroke(place, stroke)))
+            .filter(|(local, _)| local.cmpgt(-GAP).all() && local.cmplt(LETTER + GAP).all())
+            .flat_map(|(local, letter)| strokes(letter).iter().map(move |stroke| distance_to_stroke(local, stroke)))
             .fold(f32::INFINITY, f32::min)
     }
 }

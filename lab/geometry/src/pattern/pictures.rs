@@ -124,15 +124,15 @@ impl Sign {
         let point = uv * size;
         let rim = self.rim_distance(point, size);
         // Letters fill the sign except for a margin, the tip of an arrow and the slanted end.
-        let room = match self.cut {
+        let text_area = match self.cut {
             SignOutline::Plate => size,
             SignOutline::Arrow => size - Vec2::new(0.45, 0.0),
             SignOutline::Slant => size - Vec2::new(0.0, 0.45),
         };
         let text = self.text.size();
         let margin = if self.bulbs { 0.4 } else { 0.28 };
-        let scale = ((room - margin) / text).min_element();
-        let corner = 0.5 * (room - text * scale);
+        let scale = ((text_area - margin) / text).min_element();
+        let corner = 0.5 * (text_area - text * scale);
         // The distance to the nearest stroke, in units of the letters' grid.
         let to_stroke = self.text.distance((point - corner) / scale);
         let glow = 0.35 * smoothstep(1.6, 0.3, to_stroke);
@@ -184,10 +184,10 @@ impl Painting {
     }
 }
 
-/// Returns `colour` inside a shape and `below` outside. `inside` is the distance to its outline, positive inside; the
-/// colours blend within 0.004 of the outline.
-fn paint_over(below: Vec3, colour: Vec3, inside: f32) -> Vec3 {
-    below.lerp(colour, smoothstep(-0.004, 0.004, inside))
+/// Returns `colour` inside a shape and `background` outside. `inside` is the distance to the shape's outline, positive
+/// inside; the colours blend within 0.004 of the outline.
+fn paint_over(background: Vec3, colour: Vec3, inside: f32) -> Vec3 {
+    background.lerp(colour, smoothstep(-0.004, 0.004, inside))
 }
 
 /// Returns roughly the distance from a point to the outline of an ellipse, positive inside.
@@ -199,9 +199,9 @@ fn ellipse(point: Vec2, centre: Vec2, radii: Vec2) -> f32 {
 /// with y downwards, run clockwise on the screen.
 fn polygon(point: Vec2, corners: &[(f32, f32)]) -> f32 {
     (0..corners.len())
-        .map(|k| {
-            let (a, b): (Vec2, Vec2) = (corners[k].into(), corners[(k + 1) % corners.len()].into());
-            (b - a).normalize_or_zero().perp_dot(point - a)
+        .map(|edge| {
+            let (start, end): (Vec2, Vec2) = (corners[edge].into(), corners[(edge + 1) % corners.len()].into());
+            (end - start).normalize_or_zero().perp_dot(point - start)
         })
         .fold(f32::INFINITY, f32::min)
 }
@@ -216,9 +216,12 @@ fn landscape(uv: Vec2) -> Vec3 {
     colour = paint_over(colour, Vec3::new(0.30, 0.32, 0.52), uv.y - 0.62 + 0.36 * wave(uv.x * 3.0, 409));
     colour = paint_over(colour, Vec3::new(0.14, 0.30, 0.16), uv.y - 0.74 + 0.26 * wave(uv.x * 4.0 + 9.0, 419));
     colour = paint_over(colour, Vec3::new(0.42, 0.48, 0.10), uv.y - 0.84 + 0.16 * wave(uv.x * 5.0 + 20.0, 421));
-    let path = 0.36 + 0.3 * (uv.y - 0.8) + 0.05 * (uv.y * 30.0).sin();
-    colour =
-        paint_over(colour, Vec3::new(0.80, 0.66, 0.42), (0.5 * (uv.y - 0.76) - (uv.x - path).abs()).min(uv.y - 0.78));
+    let path_middle_x = 0.36 + 0.3 * (uv.y - 0.8) + 0.05 * (uv.y * 30.0).sin();
+    colour = paint_over(
+        colour,
+        Vec3::new(0.80, 0.66, 0.42),
+        (0.5 * (uv.y - 0.76) - (uv.x - path_middle_x).abs()).min(uv.y - 0.78),
+    );
     paint_over(colour, Vec3::new(0.05, 0.15, 0.06), ellipse(uv, Vec2::new(0.80, 0.52), Vec2::new(0.05, 0.34)))
 }
 
@@ -360,26 +363,33 @@ fn glass(point: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Ve
 /// Returns the linear colour and the coverage of a lancet window: a figure in a cloak on a ground of small panes, in a
 /// pointed arch with a stone border. `p` is the point with x from −0.75 to 0.75, and y from 0 at the top to 4.
 fn lancet(uv: Vec2, design: u32) -> Vec4 {
-    let p = Vec2::new((uv.x - 0.5) * 1.5, uv.y * 4.0);
+    let point = Vec2::new((uv.x - 0.5) * 1.5, uv.y * 4.0);
     // The arch lies inside two circles around the points where its sides begin to bend (y = 1.3); below, the sides are
     // straight. `rim` is the distance inwards from its outline.
-    let sides = 0.75 - p.x.abs();
-    let rim = if p.y < 1.3 { 1.5 - Vec2::new(p.x.abs() + 0.75, p.y - 1.3).length() } else { sides }.min(4.0 - p.y);
-    let figure = polygon(p, &[(-0.05, 1.3), (0.36, 1.9), (0.46, 3.5), (-0.48, 3.5), (-0.38, 1.9)]);
+    let sides = 0.75 - point.x.abs();
+    let rim = if point.y < 1.3 { 1.5 - Vec2::new(point.x.abs() + 0.75, point.y - 1.3).length() } else { sides }
+        .min(4.0 - point.y);
+    let figure = polygon(point, &[(-0.05, 1.3), (0.36, 1.9), (0.46, 3.5), (-0.48, 3.5), (-0.38, 1.9)]);
     let lead = Vec3::splat(0.012);
     let mut colour = if figure > 0.0 {
         let cloak = |id: IVec2| 0.41 + 0.2 * (design % 3) as f32 + 0.18 * unit(id, 449);
-        paint_over(lead, glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::splat(64), cloak, 457 + design), figure - 0.01)
+        paint_over(
+            lead,
+            glass(Vec2::new(point.x + 2.0, point.y) * 3.1, IVec2::splat(64), cloak, 457 + design),
+            figure - 0.01,
+        )
     } else {
-        let ground = glass(Vec2::new(p.x + 2.0, p.y) * 4.2, IVec2::splat(64), |id| 0.39 * unit(id, 443 + design), 439);
-        let halo = ellipse(p, Vec2::new(-0.05, 1.25), Vec2::new(0.30, 0.30));
+        let ground =
+            glass(Vec2::new(point.x + 2.0, point.y) * 4.2, IVec2::splat(64), |id| 0.39 * unit(id, 443 + design), 439);
+        let halo = ellipse(point, Vec2::new(-0.05, 1.25), Vec2::new(0.30, 0.30));
         paint_over(paint_over(ground, Vec3::new(1.0, 0.78, 0.2), halo), lead, figure + 0.03)
     };
-    colour = paint_over(colour, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
+    colour =
+        paint_over(colour, Vec3::new(0.95, 0.68, 0.50), ellipse(point, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
     // The figure holds a staff in one hand, so that its left and right differ.
     let (head, foot) = (Vec2::new(0.52, 1.1), Vec2::new(0.42, 3.5));
-    colour = paint_over(colour, Vec3::new(1.0, 0.85, 0.35), 0.035 - distance_to_segment(p, head, foot));
-    colour = paint_over(colour, lead, 0.012 - (p.y - 3.55).abs());
+    colour = paint_over(colour, Vec3::new(1.0, 0.85, 0.35), 0.035 - distance_to_segment(point, head, foot));
+    colour = paint_over(colour, lead, 0.012 - (point.y - 3.55).abs());
     let stone = Vec3::new(0.42, 0.38, 0.31);
     paint_over(colour, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
 }
@@ -388,25 +398,26 @@ fn lancet(uv: Vec2, design: u32) -> Vec4 {
 /// that run once around the circle. `r` is the distance from the middle, 1 at the edge, and `turn` the angle, from 0 to
 /// 1.
 fn rose(uv: Vec2) -> Vec4 {
-    let p = (uv - 0.5) * 2.0;
-    let (r, turn) = (p.length(), atan2(p.x, -p.y) / TAU + 0.5);
-    let pieces = Vec2::new(turn * 48.0, r * 11.0);
+    let point = (uv - 0.5) * 2.0;
+    let (radius, turn) = (point.length(), atan2(point.x, -point.y) / TAU + 0.5);
+    let pieces = Vec2::new(turn * 48.0, radius * 11.0);
     let tone = |id: IVec2| ((id.x as f32 / 48.0) * 0.999 + 0.12 * unit(id, 461)).fract();
     let colour = glass(pieces, IVec2::new(48, 64), tone, 463);
     let stone = Vec3::new(0.46, 0.41, 0.33);
-    // Stone surrounds three kinds of openings: twelve petals with round ends, a ring of round lobes, and a hub. `open`
-    // is the distance inwards from the outline of the nearest opening.
+    // Stone surrounds three kinds of openings: twelve petals with round ends, a ring of round lobes, and a hub. The
+    // number `opening` is the distance inwards from the outline of the nearest opening.
     let spoke = (turn * 12.0).fract() - 0.5;
-    let across = (spoke / 12.0 * TAU).sin() * r;
-    let from_round_end = Vec2::new(across, r - 0.62);
+    let across = (spoke / 12.0 * TAU).sin() * radius;
+    let from_round_end = Vec2::new(across, radius - 0.62);
     let petal_half = 0.62 * (PI / 12.0).sin();
-    let petal = if r > 0.62 { petal_half - from_round_end.length() } else { petal_half * (r / 0.62) - across.abs() };
-    let from_lobe = Vec2::new(((turn * 12.0 + 0.5).fract() - 0.5) / 12.0 * TAU, r - 0.86);
-    let open = (petal - 0.018)
-        .min(r - 0.26)
+    let petal =
+        if radius > 0.62 { petal_half - from_round_end.length() } else { petal_half * (radius / 0.62) - across.abs() };
+    let from_lobe = Vec2::new(((turn * 12.0 + 0.5).fract() - 0.5) / 12.0 * TAU, radius - 0.86);
+    let opening = (petal - 0.018)
+        .min(radius - 0.26)
         .max(0.075 - from_lobe.length())
-        .max(0.19 - r * (1.0 + 0.12 * (6.0 * turn * TAU + FRAC_PI_2).sin()));
-    paint_over(stone, colour, open).extend(smoothstep(-0.005, 0.005, 0.985 - r))
+        .max(0.19 - radius * (1.0 + 0.12 * (6.0 * turn * TAU + FRAC_PI_2).sin()));
+    paint_over(stone, colour, opening).extend(smoothstep(-0.005, 0.005, 0.985 - radius))
 }
 
 #[cfg(test)]
@@ -423,12 +434,13 @@ mod tests {
     };
 
     /// Every kind of picture.
-    fn all() -> Vec<Picture> {
-        let mut all = vec![Picture::Sign(&SIGN), Picture::Shop, Picture::Rose];
-        all.extend([Painting::Landscape, Painting::Ship, Painting::Fields, Painting::Portrait].map(Picture::Painting));
-        all.extend([true, false].map(|lit| Picture::Pane { lit }));
-        all.extend([0, 1, 2].map(|design| Picture::Lancet { design }));
-        all
+    fn every_picture() -> Vec<Picture> {
+        let mut pictures = vec![Picture::Sign(&SIGN), Picture::Shop, Picture::Rose];
+        pictures
+            .extend([Painting::Landscape, Painting::Ship, Painting::Fields, Painting::Portrait].map(Picture::Painting));
+        pictures.extend([true, false].map(|lit| Picture::Pane { lit }));
+        pictures.extend([0, 1, 2].map(|design| Picture::Lancet { design }));
+        pictures
     }
 
     /// The mean of a function over an image of 48 × 48 points.
@@ -437,9 +449,10 @@ mod tests {
         (0..48 * 48).map(|k| value(uv(k))).sum::<f32>() / (48.0 * 48.0)
     }
 
+    /// Mirrored along x or along y, each picture differs from itself by more than 0.012 in the mean.
     #[test]
     fn no_picture_is_its_own_mirror_image() {
-        for picture in all() {
+        for picture in every_picture() {
             let flipped = |uv: Vec2, x: bool| if x { Vec2::new(1.0 - uv.x, uv.y) } else { Vec2::new(uv.x, 1.0 - uv.y) };
             for x in [true, false] {
                 let difference =
@@ -451,7 +464,7 @@ mod tests {
 
     #[test]
     fn colours_and_coverage_lie_between_0_and_1_and_only_cut_pictures_are_transparent() {
-        for picture in all() {
+        for picture in every_picture() {
             let outside = mean(|uv| {
                 let sample = picture.sample(uv);
                 assert!(sample.min_element() >= 0.0 && sample.max_element() <= 1.001, "{picture:?} {uv}: {sample}");

@@ -3,7 +3,7 @@
 //! ends.
 
 use super::sees;
-use super::space::{StandingPlace, front};
+use super::space::{StandingPlace, front_normal};
 use crate::bvh::WorldRay;
 use crate::triangles::Triangles;
 use glam::DVec3;
@@ -40,20 +40,21 @@ pub struct MirrorEnd {
     pub path_m: f64,
 }
 
-/// Tries [`TRIES`] paths over a mirror, and returns the first [`ENDS`] ends that the screen does not show. A path
-/// begins where people stand, at a place that is drawn in proportion to its weight.
+/// Tries up to [`TRIES`] random paths over a mirror, and returns the first [`ENDS`] ends that the screen does not show.
+/// A path begins where people stand, at a place that is drawn in proportion to its weight.
 pub fn ends(triangles: &Triangles, stands: &[StandingPlace]) -> Vec<MirrorEnd> {
     // The sum of the weights up to and including each place.
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
     stands.iter().for_each(|stand| sums.push(sums.last().unwrap_or(&0.0) + stand.weight));
     let Some(total) = sums.last().copied() else { return Vec::new() };
-    let stand = |share: f64| &stands[sums.partition_point(|sum| *sum <= share * total).min(stands.len() - 1)];
+    // Returns the place at a share, 0…1, of the total weight.
+    let stand_at = |share: f64| &stands[sums.partition_point(|sum| *sum <= share * total).min(stands.len() - 1)];
     let mut ends: Vec<MirrorEnd> = Vec::new();
-    for first in (0..TRIES).step_by(TRIED_AT_ONCE) {
-        let paths = (first..first + TRIED_AT_ONCE as u64).into_par_iter();
-        ends.par_extend(paths.filter_map(|index| {
-            let random = Stream::new(SEED, index);
-            end_of_path(triangles, stand(random.uniform(0)).eye, &random)
+    for first_path in (0..TRIES).step_by(TRIED_AT_ONCE) {
+        let paths = (first_path..first_path + TRIED_AT_ONCE as u64).into_par_iter();
+        ends.par_extend(paths.filter_map(|path| {
+            let random = Stream::new(SEED, path);
+            end_of_path(triangles, stand_at(random.uniform(0)).eye, &random)
         }));
         if ends.len() >= ENDS {
             break;
@@ -72,15 +73,19 @@ fn end_of_path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<Mir
     let horizontal = (1.0 - y * y).sqrt();
     let direction = DVec3::new(horizontal * cosine, y, horizontal * sine);
     let ray = WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY };
-    let first = triangles.closest(&ray)?;
-    if random.uniform(3) >= f64::from(triangles.surface(&first).0.reflectivity).max(LEAST_REFLECTIVITY) {
+    let mirror_hit = triangles.closest(&ray)?;
+    if random.uniform(3) >= f64::from(triangles.surface(&mirror_hit).0.reflectivity).max(LEAST_REFLECTIVITY) {
         return None;
     }
-    let mirrored = direction.reflect(front(triangles.corners(&first))).normalize();
-    let ray = WorldRay { origin: ray.point_at(first.t), direction: mirrored, t_min: 1e-4, t_max: f64::INFINITY };
-    let last = triangles.closest(&ray)?;
-    let position = ray.point_at(last.t);
+    let mirrored = direction.reflect(front_normal(triangles.corners(&mirror_hit))).normalize();
+    let ray = WorldRay { origin: ray.point_at(mirror_hit.t), direction: mirrored, t_min: 1e-4, t_max: f64::INFINITY };
+    let end_hit = triangles.closest(&ray)?;
+    let position = ray.point_at(end_hit.t);
     let is_off_screen = (position - eye).normalize_or_zero().dot(direction) < ON_SCREEN_COSINE;
     let is_beyond_screen = is_off_screen || !sees(triangles, eye, position);
-    is_beyond_screen.then(|| MirrorEnd { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })
+    is_beyond_screen.then(|| MirrorEnd {
+        position,
+        normal: front_normal(triangles.corners(&end_hit)),
+        path_m: mirror_hit.t + end_hit.t,
+    })
 }

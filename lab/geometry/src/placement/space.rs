@@ -93,9 +93,9 @@ struct Surroundings {
 pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<StandingPlace> {
     let columns: Vec<Vec<StandingPlace>> =
         (0..COLUMNS).into_par_iter().map(|index| stands_on_line(triangles, scene, size, index)).collect();
-    let mut found: Vec<StandingPlace> = columns.into_iter().flatten().collect();
-    found.truncate(STANDS);
-    keep_habitable(triangles, scene, found)
+    let mut places: Vec<StandingPlace> = columns.into_iter().flatten().collect();
+    places.truncate(STANDS);
+    keep_habitable(triangles, scene, places)
 }
 
 /// Returns the candidates for captures above places to stand on: at the height of the eyes, and higher if there is
@@ -118,13 +118,13 @@ pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
     let (low, high) = ((position - clearance_m).as_vec3(), (position + clearance_m).as_vec3());
     triangles.all().par_iter().all(|&[a, b, c]| {
         let is_apart = a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any();
-        is_apart || distance([a, b, c], position) >= clearance_m
+        is_apart || distance_to_triangle([a, b, c], position) >= clearance_m
     })
 }
 
 /// Returns the distance of a point from a triangle: the distance from the plane if the point lies above the triangle's
 /// inside, otherwise the distance from the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
-fn distance([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
+fn distance_to_triangle([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     let edges = [(a, b), (b, c), (c, a)];
     let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -141,7 +141,7 @@ fn distance([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
 }
 
 /// Returns the unit normal of a triangle on the side of its front; zero if it has no area.
-pub fn front([a, b, c]: [Vec3; 3]) -> DVec3 {
+pub fn front_normal([a, b, c]: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     (b - a).cross(c - a).normalize_or_zero()
 }
@@ -154,8 +154,8 @@ fn stands_on_line(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let bounds = scene.bounds();
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-    let n = index as f64 + 1.0;
-    let [u, v] = [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + n * step).fract());
+    let line_number = index as f64 + 1.0;
+    let [u, v] = [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + line_number * step).fract());
     let origin = DVec3::new(min.x + u * (max.x - min.x), max.y + 1.0, min.z + v * (max.z - min.z));
     let mut ray = WorldRay { origin, direction: DVec3::NEG_Y, t_min: 0.0, t_max: f64::INFINITY };
     let mut stands = Vec::new();
@@ -164,7 +164,7 @@ fn stands_on_line(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -
         let Some(hit) = triangles.closest(&ray) else { break };
         let floor = ray.point_at(hit.t);
         let height_m = ceiling_y - floor.y;
-        if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEAST_UPWARD {
+        if height_m >= HEAD_ROOM_M * size && front_normal(triangles.corners(&hit)).y.abs() > LEAST_UPWARD {
             stands.push(StandingPlace { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
         }
         ceiling_y = floor.y;
@@ -177,24 +177,25 @@ fn stands_on_line(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -
 ///
 /// A room is a group of places that see each other, directly or through others. A floor is a group of close places of
 /// about the same height that see each other.
-fn keep_habitable(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace>) -> Vec<StandingPlace> {
+fn keep_habitable(triangles: &Triangles, scene: &Scene, stands: Vec<StandingPlace>) -> Vec<StandingPlace> {
     let mut places: Vec<(StandingPlace, Surroundings)> =
-        found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
+        stands.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
     places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
     // In a file with all triangles reversed, every place sees backs, and none is dropped for this reason.
     if places.iter().any(|(_, around)| around.backs <= BACKS_MAX) {
         places.retain(|(_, around)| around.backs <= BACKS_MAX);
     }
-    let mut enclosed: Vec<f64> = places.iter().map(|(_, around)| around.enclosed).collect();
-    enclosed.sort_by(f64::total_cmp);
-    let typical = enclosed.get(enclosed.len() * 9 / 10).copied().unwrap_or(0.0);
-    places.retain(|(_, around)| around.enclosed >= LEAST_ENCLOSURE * typical);
+    let mut enclosures: Vec<f64> = places.iter().map(|(_, around)| around.enclosed).collect();
+    enclosures.sort_by(f64::total_cmp);
+    let best_tenth = enclosures.get(enclosures.len() * 9 / 10).copied().unwrap_or(0.0);
+    places.retain(|(_, around)| around.enclosed >= LEAST_ENCLOSURE * best_tenth);
 
     let [near_pairs, random_pairs] =
         mutually_visible(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
     let rooms = groups(places.len(), near_pairs.iter().chain(&random_pairs).copied());
     let lit_rooms: Vec<usize> =
         places.iter().zip(&rooms).filter(|((_, around), _)| around.lit).map(|(_, room)| *room).collect();
+    // Returns true if two places, given by their indices, are at about the same height.
     let is_level = |i: usize, j: usize| {
         let ((stand, _), (other, _)) = (&places[i], &places[j]);
         (stand.eye.y - other.eye.y).abs() < STEP_M * stand.size
@@ -216,13 +217,17 @@ fn keep_habitable(triangles: &Triangles, scene: &Scene, found: Vec<StandingPlace
 /// Looks around from a person's eye in all [`DIRECTIONS`]. `lit` becomes true if a point light, the sky or a sky
 /// surface is seen from there.
 fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surroundings {
-    let shines =
+    let is_visible_lamp =
         |light: &Light| matches!(light, Light::Point { position, .. } if sees(triangles, eye, position.as_dvec3()));
-    let mut around =
-        Surroundings { enclosed: 0.0, backs: 0.0, nearest_m: f64::INFINITY, lit: scene.lights.iter().any(shines) };
+    let mut around = Surroundings {
+        enclosed: 0.0,
+        backs: 0.0,
+        nearest_m: f64::INFINITY,
+        lit: scene.lights.iter().any(is_visible_lamp),
+    };
     // The numbers of directions that hit a surface, and of directions that point upwards.
     let (mut hits, mut upwards) = (0, 0);
-    for direction in (0..DIRECTIONS).map(direction) {
+    for direction in (0..DIRECTIONS).map(sphere_direction) {
         let hit = triangles.closest(&WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY });
         around.lit |= hit.is_none_or(|hit| triangles.surface(&hit).0.surface == Surface::Sky);
         upwards += i32::from(direction.y > 0.0);
@@ -230,7 +235,7 @@ fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surrounding
         hits += 1;
         around.nearest_m = around.nearest_m.min(hit.t);
         around.enclosed += f64::from(direction.y > 0.0);
-        around.backs += f64::from(front(triangles.corners(&hit)).dot(direction) > 0.0);
+        around.backs += f64::from(front_normal(triangles.corners(&hit)).dot(direction) > 0.0);
     }
     around.enclosed /= f64::from(upwards);
     around.backs /= f64::from(hits.max(1));
@@ -238,7 +243,7 @@ fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surrounding
 }
 
 /// Returns the unit vector number `index` of the [`DIRECTIONS`], which cover the sphere evenly on a Fibonacci spiral.
-fn direction(index: usize) -> DVec3 {
+fn sphere_direction(index: usize) -> DVec3 {
     let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
     let (sine, cosine) = (constants::GOLDEN_ANGLE * index as f64).sin_cos();
     let horizontal = (1.0 - y * y).sqrt();
@@ -252,14 +257,14 @@ fn mutually_visible(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize
     let visible_pairs = |i: usize, others: Vec<usize>| {
         others.into_iter().filter(move |j| sees(triangles, eyes[i], eyes[*j])).map(move |j| (i, j))
     };
-    let neighbours = |i: usize| {
+    let nearest_others = |i: usize| {
         let mut others: Vec<usize> = (0..eyes.len()).filter(|j| *j != i).collect();
-        let nearer = |a: &usize, b: &usize| {
+        let by_distance = |a: &usize, b: &usize| {
             let [squared_a, squared_b] = [*a, *b].map(|j| eyes[j].distance_squared(eyes[i]));
             squared_a.total_cmp(&squared_b).then(a.cmp(b))
         };
         if others.len() > near_count {
-            others.select_nth_unstable_by(near_count, nearer);
+            others.select_nth_unstable_by(near_count, by_distance);
             others.truncate(near_count);
         }
         others
@@ -267,18 +272,18 @@ fn mutually_visible(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize
     let random_others = |i: usize| {
         let random = Stream::new(SEED, i as u64);
         (0..random_count as u64)
-            .map(|k| ((random.uniform(k) * eyes.len() as f64) as usize).min(eyes.len() - 1))
+            .map(|draw| ((random.uniform(draw) * eyes.len() as f64) as usize).min(eyes.len() - 1))
             .collect()
     };
-    let all = || (0..eyes.len()).into_par_iter();
+    let eye_indices = || (0..eyes.len()).into_par_iter();
     [
-        all().flat_map_iter(|i| visible_pairs(i, neighbours(i))).collect(),
-        all().flat_map_iter(|i| visible_pairs(i, random_others(i))).collect(),
+        eye_indices().flat_map_iter(|i| visible_pairs(i, nearest_others(i))).collect(),
+        eye_indices().flat_map_iter(|i| visible_pairs(i, random_others(i))).collect(),
     ]
 }
 
-/// Joins `count` things to groups, given `pairs` of things in the same group (union-find). Returns the group of each
-/// thing, named by the least index of its members.
+/// Divides `count` elements into groups, given `pairs` of elements of the same group (union-find). Returns the group of
+/// each element, named by the least index of its members.
 fn groups(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     /// Finds the least member of the group of `i` by following parents, and shortens the chain of parents for later
     /// calls.
@@ -291,8 +296,8 @@ fn groups(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usiz
     }
     let mut parents: Vec<usize> = (0..count).collect();
     for (i, j) in pairs {
-        let (a, b) = (root(&mut parents, i), root(&mut parents, j));
-        parents[a.max(b)] = a.min(b);
+        let (root_i, root_j) = (root(&mut parents, i), root(&mut parents, j));
+        parents[root_i.max(root_j)] = root_i.min(root_j);
     }
     (0..count).map(|i| root(&mut parents, i)).collect()
 }
@@ -304,12 +309,12 @@ mod tests {
     #[test]
     fn the_distance_from_a_triangle_is_that_from_its_nearest_point() {
         let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let distance_to = |x: f64, y: f64, z: f64| distance(triangle, DVec3::new(x, y, z));
+        let distance_to = |x: f64, y: f64, z: f64| distance_to_triangle(triangle, DVec3::new(x, y, z));
         assert_eq!(distance_to(0.25, 0.25, 3.0), 3.0, "above its inside");
         assert_eq!(distance_to(0.5, -2.0, 0.0), 2.0, "beside an edge");
         assert_eq!(distance_to(4.0, 0.0, 4.0), 5.0, "beyond a corner");
         assert!((distance_to(1.0, 1.0, 0.0) - 0.5_f64.sqrt()).abs() < 1e-12, "beside the long edge");
-        assert_eq!(distance([Vec3::ZERO; 3], DVec3::Z), 1.0, "a triangle that is a point");
+        assert_eq!(distance_to_triangle([Vec3::ZERO; 3], DVec3::Z), 1.0, "a triangle that is a point");
     }
 
     #[test]
@@ -321,8 +326,8 @@ mod tests {
 
     #[test]
     fn directions_fill_the_sphere_evenly() {
-        let sum: DVec3 = (0..DIRECTIONS).map(direction).sum();
+        let sum: DVec3 = (0..DIRECTIONS).map(sphere_direction).sum();
         assert!(sum.length() < 1.0, "{sum}");
-        assert!((0..DIRECTIONS).all(|i| (direction(i).length() - 1.0).abs() < 1e-12));
+        assert!((0..DIRECTIONS).all(|i| (sphere_direction(i).length() - 1.0).abs() < 1e-12));
     }
 }

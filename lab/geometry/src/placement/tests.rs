@@ -7,7 +7,9 @@ use ssct_ground::scene::{Aabb, Material, Mesh, Surface, Vertex, View};
 /// otherwise they face outwards.
 fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
     // Bits 0, 1 and 2 of a corner's number choose between the least and the greatest x, y and z.
-    let corner = |k: usize| Vec3::new([min.x, max.x][k & 1], [min.y, max.y][k >> 1 & 1], [min.z, max.z][k >> 2]);
+    let corner = |number: usize| {
+        Vec3::new([min.x, max.x][number & 1], [min.y, max.y][number >> 1 & 1], [min.z, max.z][number >> 2])
+    };
     let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
     let mut mesh = Mesh { name: "box".into(), ..Mesh::default() };
     for quad in quads {
@@ -16,16 +18,16 @@ fn cuboid(min: Vec3, max: Vec3, inwards: bool) -> Mesh {
         let normal = (b - a).cross(c - a).normalize();
         let must_turn = (normal.dot(a - middle) > 0.0) == inwards;
         let facing = if must_turn { -normal } else { normal };
-        let first = mesh.vertices.len() as u32;
-        let vertex = |k| Vertex {
-            position: corner(k).to_array(),
+        let first_vertex = mesh.vertices.len() as u32;
+        let vertex = |number| Vertex {
+            position: corner(number).to_array(),
             normal: facing.to_array(),
             uv: [0.0; 2],
             tangent: facing.any_orthonormal_vector().extend(1.0).to_array(),
         };
         mesh.vertices.extend(quad.map(vertex));
         let order = if must_turn { [0, 2, 1, 0, 3, 2] } else { [0, 1, 2, 0, 2, 3] };
-        mesh.indices.extend(order.map(|k| first + k));
+        mesh.indices.extend(order.map(|index| first_vertex + index));
     }
     mesh.bounds = Aabb::around(&mesh.vertices);
     mesh
@@ -51,6 +53,7 @@ fn positions(placement: &Placement) -> Vec<Vec3> {
     placement.captures.iter().map(|c| c.position).collect()
 }
 
+/// Of two captures, one stands in each room, and together they see over 85 % of what mirrors show.
 #[test]
 fn two_rooms_get_captures_on_both_sides_of_the_wall() {
     let placement = place(&two_rooms(), WantedCaptures::Count(2));
@@ -83,17 +86,18 @@ fn nobody_stands_on_a_roof_in_a_solid_body_or_in_a_dark_void() {
 #[test]
 fn views_and_threads_have_no_influence() {
     let scene = two_rooms();
-    let first = place(&scene, WantedCaptures::Count(3));
-    let mut looked_at = scene.clone();
-    looked_at.views.push(View { eye: Vec3::new(1.0, 1.0, 1.0), look_at: Vec3::ONE * 2.0, ..View::default() });
-    assert_eq!(place(&looked_at, WantedCaptures::Count(3)), first);
+    let placement = place(&scene, WantedCaptures::Count(3));
+    let mut scene_with_view = scene.clone();
+    scene_with_view.views.push(View { eye: Vec3::new(1.0, 1.0, 1.0), look_at: Vec3::ONE * 2.0, ..View::default() });
+    assert_eq!(place(&scene_with_view, WantedCaptures::Count(3)), placement);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(pool.install(|| place(&scene, WantedCaptures::Count(3))), first);
+    assert_eq!(pool.install(|| place(&scene, WantedCaptures::Count(3))), placement);
     // More captures are only added after the first ones, which stay the same.
-    let one = place(&scene, WantedCaptures::Count(1));
-    assert_eq!((one.captures[0], one.seen[0]), (first.captures[0], first.seen[0]));
+    let with_one_capture = place(&scene, WantedCaptures::Count(1));
+    assert_eq!((with_one_capture.captures[0], with_one_capture.seen[0]), (placement.captures[0], placement.seen[0]));
 }
 
+/// `Auto` places one capture in an empty room, and two to [`AUTO_MOST`] in two rooms.
 #[test]
 fn auto_stops_where_another_capture_gains_little() {
     // An empty room is completely visible from anywhere in it.
@@ -104,21 +108,24 @@ fn auto_stops_where_another_capture_gains_little() {
     assert!((2..=AUTO_MOST).contains(&placement.captures.len()), "{:?}", placement.seen);
 }
 
+/// Captures of the file come first. Further ones have the resolution and the near plane of the first of them.
 #[test]
 fn the_captures_of_a_file_come_first() {
     let mut scene = two_rooms();
-    let own = [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::placed_at(Vec3::new(x, 1.0, 3.0)) });
-    scene.captures = own.to_vec();
+    let captures_of_file =
+        [1.0, 7.0].map(|x| Capture { resolution: 64, near_m: 0.1, ..Capture::placed_at(Vec3::new(x, 1.0, 3.0)) });
+    scene.captures = captures_of_file.to_vec();
     let auto = place(&scene, WantedCaptures::Auto);
-    assert_eq!((auto.captures.as_slice(), auto.from_file), (&own[..], 2));
+    assert_eq!((auto.captures.as_slice(), auto.from_file), (&captures_of_file[..], 2));
     assert!(auto.seen[0] > 0.2 && auto.seen[1] > auto.seen[0]);
-    let one = place(&scene, WantedCaptures::Count(1));
-    assert_eq!((one.captures.as_slice(), one.from_file), (&own[..1], 1));
-    let three = with_captures(&mut scene, WantedCaptures::Count(3));
-    assert_eq!((three.from_file, three.captures.len(), &three.captures), (2, 3, &scene.captures));
-    assert_eq!((three.captures[2].resolution, three.captures[2].near_m), (64, 0.1), "as the file's first");
+    let with_one = place(&scene, WantedCaptures::Count(1));
+    assert_eq!((with_one.captures.as_slice(), with_one.from_file), (&captures_of_file[..1], 1));
+    let with_three = with_captures(&mut scene, WantedCaptures::Count(3));
+    assert_eq!((with_three.from_file, with_three.captures.len(), &with_three.captures), (2, 3, &scene.captures));
+    assert_eq!((with_three.captures[2].resolution, with_three.captures[2].near_m), (64, 0.1), "as the file's first");
 }
 
+/// A room of 30 cm gets a capture, an empty scene gets none, and at most [`MAX_CAPTURES`] are placed.
 #[test]
 fn a_small_scene_gets_small_people_and_an_empty_one_nobody() {
     let tiny = place(&scene(vec![cuboid(Vec3::ZERO, Vec3::splat(0.3), true)]), WantedCaptures::Auto);

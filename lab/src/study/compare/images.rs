@@ -53,24 +53,24 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
     if (width, height) != (b.width, b.height) {
         return None;
     }
-    let all = vec![true; a.rgb.len()];
+    let every_pixel = vec![true; a.rgb.len()];
     let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
-    let rmse_map = error_map(&a.rgb, &b.rgb, &all);
-    let (mut worst, mut greatest) = (0, 0.0);
+    let rmse_map = error_map(&a.rgb, &b.rgb, &every_pixel);
+    let (mut worst_pixel, mut greatest) = (0, 0.0);
     for (pixel, error) in rmse_map.iter().enumerate() {
         if *error > greatest {
-            (worst, greatest) = (pixel, *error);
+            (worst_pixel, greatest) = (pixel, *error);
         }
     }
     Some(ImageComparison {
         head: CompareHead::new("compare-images", a_name, b_name),
         width,
         height,
-        rmse: masked_rmse(&a.rgb, &b.rgb, &all),
-        rel_mse: masked_relative_mse(&a.rgb, &b.rgb, &all),
+        rmse: masked_rmse(&a.rgb, &b.rgb, &every_pixel),
+        rel_mse: masked_relative_mse(&a.rgb, &b.rgb, &every_pixel),
         flip: flip.mean(),
         greatest,
-        greatest_at: [worst as u32 % width, worst as u32 / width],
+        greatest_at: [worst_pixel as u32 % width, worst_pixel as u32 / width],
         rmse_map,
         flip_picture: flip.picture(),
     })

@@ -31,7 +31,7 @@ fn method_label(s: &Subject) -> String {
     if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
 }
 
-/// What stands between the values of A and of B in a column in which they differ.
+/// The text between the values of A and of B in a column in which they differ.
 const BETWEEN_SIDES: &str = " / ";
 
 impl TimeComparison {
@@ -54,20 +54,20 @@ impl TimeComparison {
     /// the settings of A and of B stand in the columns of method and preset.
     pub fn labels(&self) -> [String; 7] {
         let [place, size, roughness, normals, method, preset] = self.subject_labels();
-        let [first, second] = match (&self.setting_a, &self.setting_b) {
+        let [method_or_a, preset_or_b] = match (&self.setting_a, &self.setting_b) {
             (Some(a), Some(b)) => [a.clone(), b.clone()],
             _ => [method, preset],
         };
-        [place, size, roughness, normals, first, second, self.pass.clone()]
+        [place, size, roughness, normals, method_or_a, preset_or_b, self.pass.clone()]
     }
 
     /// Returns the verdict as tables show it. If it is undecided, the text gives the number of samples that would
     /// probably decide, and says whether the noise floor alone leaves it undecided.
     fn shown_verdict(&self) -> String {
-        let open = if self.is_open_by_floor() { "UNDECIDED by the floor" } else { "UNDECIDED" };
+        let undecided = if self.is_open_by_floor() { "UNDECIDED by the floor" } else { "UNDECIDED" };
         match (self.verdict, self.samples_to_decide) {
-            (Some(Verdict::Undecided), Some(n)) => format!("{open}, n about {n}"),
-            (Some(Verdict::Undecided), None) => format!("{open}, n above {MOST_FORETOLD}"),
+            (Some(Verdict::Undecided), Some(samples)) => format!("{undecided}, n about {samples}"),
+            (Some(Verdict::Undecided), None) => format!("{undecided}, n above {MOST_FORETOLD}"),
             (verdict, _) => verdict.map_or("-", Verdict::name).to_owned(),
         }
     }
@@ -111,16 +111,16 @@ pub fn shown_drift(drift: Option<f64>) -> String {
 }
 
 /// Returns the records of passes that both sides have, in the order of a table. Records of one subject and one pair of
-/// settings stay together, the most important first. If `all` is true, each group of passes is followed by its parts;
-/// otherwise the parts are left out.
-pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
+/// settings stay together, the most important first. If `with_parts` is true, each group of passes is followed by its
+/// parts; otherwise the parts are left out.
+pub fn ordered(records: &[TimeComparison], with_parts: bool) -> Vec<&TimeComparison> {
     let is_same_subject = |a: &&TimeComparison, b: &&TimeComparison| {
         a.subject == b.subject && a.setting_a == b.setting_a && a.setting_b == b.setting_b
     };
     let in_both: Vec<&TimeComparison> = records.iter().filter(|r| r.only_in.is_none()).collect();
     let mut rows = Vec::new();
-    for of_subject in in_both.chunk_by(is_same_subject) {
-        let mut wholes: Vec<_> = of_subject.iter().filter(|r| r.part_of.is_none()).collect();
+    for subject_records in in_both.chunk_by(is_same_subject) {
+        let mut wholes: Vec<_> = subject_records.iter().filter(|r| r.part_of.is_none()).collect();
         wholes.sort_by(|x, y| {
             let ((class_x, place_x), (class_y, place_y)) = (x.rank(), y.rank());
             class_x.cmp(&class_y).then(place_x.total_cmp(&place_y))
@@ -128,24 +128,28 @@ pub fn ordered(records: &[TimeComparison], all: bool) -> Vec<&TimeComparison> {
         for row in wholes {
             rows.push(*row);
             let is_part = |r: &&&TimeComparison| r.part_of.as_ref() == Some(&row.pass) && r.counted == row.counted;
-            rows.extend(of_subject.iter().filter(|_| all).filter(is_part));
+            rows.extend(subject_records.iter().filter(|_| with_parts).filter(is_part));
         }
     }
     rows
 }
 
-/// Returns the cells of a table: a header, and a line for each record that [`ordered`] returns.
-pub fn cells(records: &[TimeComparison], all: bool) -> Vec<Vec<String>> {
+/// Returns the cells of a table: a header, and a line for each record that [`ordered`] returns. If `with_parts`
+/// is true, groups of passes are followed by their parts.
+pub fn cells(records: &[TimeComparison], with_parts: bool) -> Vec<Vec<String>> {
     let has_drift = records.iter().any(|r| r.drift.is_some());
     let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor"];
-    let figures = figures.into_iter().chain(has_drift.then_some("drift")).chain(["n", "verdict"]).collect::<Vec<_>>();
-    let mut subject = SUBJECT_COLUMNS;
+    let figure_headers =
+        figures.into_iter().chain(has_drift.then_some("drift")).chain(["n", "verdict"]).collect::<Vec<_>>();
+    let mut subject_headers = SUBJECT_COLUMNS;
     if records.iter().any(|r| r.setting_a.is_some()) {
-        [subject[4], subject[5]] = ["A", "B"];
+        // The settings of A and of B take the columns of method and preset.
+        [subject_headers[4], subject_headers[5]] = ["A", "B"];
     }
-    let mut rows = vec![[&subject[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    let mut rows =
+        vec![[&subject_headers[..], &figure_headers].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
     let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
-    for r in ordered(records, all) {
+    for r in ordered(records, with_parts) {
         let mut row = r.labels().to_vec();
         row.extend([r.median_a_ms, r.median_b_ms, r.ratio, r.low, r.high].map(number));
         row.push(r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0)));

@@ -53,21 +53,21 @@ impl Run {
         let mut samples = self.samples.clone();
         // Samples that follow each other often share a subject: the last subject and its shortened copy are kept.
         let mut last: Option<[Arc<Subject>; 2]> = None;
-        for s in &mut samples {
+        for sample in &mut samples {
             let shortened = match &last {
-                Some([from, to]) if Arc::ptr_eq(from, &s.subject) => Arc::clone(to),
+                Some([full, shortened]) if Arc::ptr_eq(full, &sample.subject) => Arc::clone(shortened),
                 _ => {
-                    let method = s.subject.get("method").to_owned();
+                    let method = sample.subject.get("method").to_owned();
                     match names_in_other.entry(method).or_insert_with_key(|method| other.stated_names(method)) {
-                        None => Arc::clone(&s.subject),
+                        None => Arc::clone(&sample.subject),
                         Some(names) => {
-                            let values = s.subject.0.iter().filter(|(name, _)| names.contains(name));
+                            let values = sample.subject.0.iter().filter(|(name, _)| names.contains(name));
                             Arc::new(Subject(values.map(|(name, text)| (name.clone(), text.clone())).collect()))
                         }
                     }
                 }
             };
-            last = Some([std::mem::replace(&mut s.subject, Arc::clone(&shortened)), shortened]);
+            last = Some([std::mem::replace(&mut sample.subject, Arc::clone(&shortened)), shortened]);
         }
         samples
     }
@@ -91,11 +91,13 @@ pub(super) struct Samples {
     pub(super) pass: String,
     /// The group that the pass is a part of.
     pub(super) part_of: Option<String>,
+    /// Whether the pass counts towards the total.
     pub(super) counted: bool,
     /// Number of the frame of each sample.
-    pub(super) numbers: Vec<u64>,
+    pub(super) frame_numbers: Vec<u64>,
     /// Milliseconds of each sample.
     pub(super) ms: Vec<f64>,
+    /// Noise floor as a share, if measured.
     pub(super) noise_floor: Option<f64>,
 }
 
@@ -107,8 +109,8 @@ impl Samples {
 
     /// Returns the time of these samples and that of `other`, in milliseconds, for each frame number that both have.
     pub(super) fn paired_times(&self, other: &Self) -> Vec<[f64; 2]> {
-        let other_ms: BTreeMap<u64, f64> = other.numbers.iter().copied().zip(other.ms.iter().copied()).collect();
-        let numbered_ms = self.numbers.iter().zip(&self.ms);
+        let other_ms: BTreeMap<u64, f64> = other.frame_numbers.iter().copied().zip(other.ms.iter().copied()).collect();
+        let numbered_ms = self.frame_numbers.iter().zip(&self.ms);
         numbered_ms.filter_map(|(number, ms)| Some([*ms, *other_ms.get(number)?])).collect()
     }
 }
@@ -133,29 +135,29 @@ pub(super) struct SubjectSamples {
 /// Groups samples by subject and pass, both in the order in which they first appear. Samples of one subject with one
 /// frame number that follow each other are one frame.
 pub(super) fn by_subject(samples: &[TimeSample]) -> Vec<SubjectSamples> {
-    let mut all: Vec<SubjectSamples> = Vec::new();
+    let mut groups: Vec<SubjectSamples> = Vec::new();
     for frame in samples.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject) {
         let Some(first) = frame.first() else { continue };
-        let index = all.iter().rposition(|known| known.subject == *first.subject).unwrap_or_else(|| {
-            all.push(SubjectSamples { subject: (*first.subject).clone(), passes: Vec::new() });
-            all.len() - 1
+        let index = groups.iter().rposition(|group| group.subject == *first.subject).unwrap_or_else(|| {
+            groups.push(SubjectSamples { subject: (*first.subject).clone(), passes: Vec::new() });
+            groups.len() - 1
         });
-        let passes = &mut all[index].passes;
+        let passes = &mut groups[index].passes;
         for row in rows(frame) {
             let pass_index = passes.iter().position(|s| s.has_row(&row)).unwrap_or_else(|| {
                 let (pass, part_of) = (row.pass.to_owned(), row.part_of.map(str::to_owned));
                 let (counted, noise_floor) = (row.counted, row.noise_floor);
-                passes.push(Samples { pass, part_of, counted, numbers: Vec::new(), ms: Vec::new(), noise_floor });
+                passes.push(Samples { pass, part_of, counted, frame_numbers: Vec::new(), ms: Vec::new(), noise_floor });
                 passes.len() - 1
             });
-            passes[pass_index].numbers.push(first.sample);
+            passes[pass_index].frame_numbers.push(first.sample);
             passes[pass_index].ms.push(row.ms);
         }
     }
-    for of_subject in &mut all {
-        of_subject.passes.sort_by_key(|s| s.pass == TOTAL);
+    for group in &mut groups {
+        group.passes.sort_by_key(|s| s.pass == TOTAL);
     }
-    all
+    groups
 }
 
 /// Groups the samples of each of two runs, by the settings that both files give for a method; other settings are left
@@ -169,13 +171,13 @@ pub(super) fn both_by_subject(a: &Run, b: &Run) -> [Vec<SubjectSamples>; 2] {
 fn rows(frame: &[TimeSample]) -> Vec<Row<'_>> {
     let mut rows: Vec<Row> = Vec::new();
     for sample in frame {
-        let (name, counted) = (group_of(&sample.pass), sample.counted);
-        let mut parts = frame.iter().filter(|s| group_of(&s.pass) == name && s.counted == counted);
+        let (group, counted) = (group_of(&sample.pass), sample.counted);
+        let mut parts = frame.iter().filter(|s| group_of(&s.pass) == group && s.counted == counted);
         let is_part = parts.any(|s| s.pass.contains('/'));
-        if is_part && !rows.iter().any(|r| r.pass == name && r.part_of.is_none() && r.counted == counted) {
-            rows.push(sum(name, frame.iter().filter(|s| group_of(&s.pass) == name && s.counted == counted)));
+        if is_part && !rows.iter().any(|r| r.pass == group && r.part_of.is_none() && r.counted == counted) {
+            rows.push(sum(group, frame.iter().filter(|s| group_of(&s.pass) == group && s.counted == counted)));
         }
-        let (part_of, ms, noise_floor) = (is_part.then_some(name), sample.ms, sample.floors[0]);
+        let (part_of, ms, noise_floor) = (is_part.then_some(group), sample.ms, sample.floors[0]);
         rows.push(Row { pass: &sample.pass, part_of, counted, ms, noise_floor });
     }
     if frame.iter().any(|s| s.counted) {

@@ -15,6 +15,7 @@ use std::str::FromStr;
 /// meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Selection {
+    /// The selection as the user wrote it, for messages.
     text: String,
     /// Names of columns of the samples, and their values.
     values: Vec<(String, String)>,
@@ -95,18 +96,18 @@ impl Selection {
         changed.filter(|p| !self.names_column(p.name)).count() + usize::from(has_other_preset)
     }
 
-    /// Returns those of `all`, the samples of a run, whose subjects fit the selection.
+    /// Returns the samples whose subjects fit the selection; `samples` has all samples of the run.
     ///
     /// # Errors
     /// A sentence, if no subject fits, or if no sample of the run has a value for a named option.
-    fn fitting_in<'s>(&self, run: &Run, all: &'s [SubjectSamples]) -> Result<Vec<&'s SubjectSamples>, String> {
-        let known: BTreeSet<&str> = all.iter().flat_map(|s| s.subject.0.keys()).map(String::as_str).collect();
+    fn fitting_in<'s>(&self, run: &Run, samples: &'s [SubjectSamples]) -> Result<Vec<&'s SubjectSamples>, String> {
+        let known: BTreeSet<&str> = samples.iter().flat_map(|s| s.subject.0.keys()).map(String::as_str).collect();
         if let Some((name, _)) = self.values.iter().find(|(name, _)| !known.contains(name.as_str())) {
             return Err(format!("{:?}: the samples of {} have no {}", self.text, run.name, name.replace('_', "-")));
         }
-        let fitting: Vec<&SubjectSamples> = all.iter().filter(|s| self.fits(&s.subject)).collect();
+        let fitting: Vec<&SubjectSamples> = samples.iter().filter(|s| self.fits(&s.subject)).collect();
         if fitting.is_empty() {
-            let values = self.values_in(all).join("; ");
+            let values = self.values_in(samples).join("; ");
             return Err(format!("{:?}: {} has no such setting; it has {values}", self.text, run.name));
         }
         Ok(fitting)
@@ -114,10 +115,11 @@ impl Selection {
 
     /// Returns a text for the method and for each option that the selection names, with the values that the subjects
     /// have, such as "iterations 64, 1024".
-    fn values_in(&self, all: &[SubjectSamples]) -> Vec<String> {
+    fn values_in(&self, samples: &[SubjectSamples]) -> Vec<String> {
         let names: BTreeSet<&str> = self.values.iter().map(|(name, _)| name.as_str()).chain(["method"]).collect();
         let text = |name: &str| {
-            let values: BTreeSet<&str> = all.iter().map(|s| s.subject.get(name)).filter(|v| !v.is_empty()).collect();
+            let values: BTreeSet<&str> =
+                samples.iter().map(|s| s.subject.get(name)).filter(|v| !v.is_empty()).collect();
             format!("{} {}", name.replace('_', "-"), values.into_iter().collect::<Vec<_>>().join(", "))
         };
         names.into_iter().map(text).collect()
@@ -133,7 +135,7 @@ impl Selection {
         let is_nearest_to_preset = |s: &&SubjectSamples| Some(self.count_unnamed(&s.subject)) == least;
         let nearest_to_preset: Vec<&SubjectSamples> = fitting.iter().copied().filter(is_nearest_to_preset).collect();
         match nearest_to_preset[..] {
-            [one] => Ok(one),
+            [picked] => Ok(picked),
             [first, second, ..] => Err(format!(
                 "{:?} means several settings, such as \"{}\" and \"{}\"",
                 self.text,
@@ -146,38 +148,38 @@ impl Selection {
 }
 
 /// Returns the values of a subject's place, without those that one of the two selections names.
-fn unnamed_place(subject: &Subject, chosen: [&Selection; 2]) -> Vec<String> {
-    let is_unnamed = |name: &&str| !chosen.iter().any(|selection| selection.names_column(name));
+fn unnamed_place(subject: &Subject, selections: [&Selection; 2]) -> Vec<String> {
+    let is_unnamed = |name: &&str| !selections.iter().any(|selection| selection.names_column(name));
     PLACE.into_iter().filter(is_unnamed).map(|name| subject.get(name).to_owned()).collect()
 }
 
-/// Compares a setting of A with a setting of B at every place where both were timed; `chosen` selects the two settings.
-/// If A and B are one run and the settings have the same place, their frames are compared turn by turn. `threshold` is
-/// the change of a time that counts, as a share, at least 0 and below 1.
+/// Compares a setting of A with a setting of B at every place where both were timed; `selections` select the two
+/// settings. If A and B are one run and the settings have the same place, their frames are compared turn by turn.
+/// `threshold` is the change of a time that counts, as a share, at least 0 and below 1.
 ///
 /// # Errors
 /// A sentence, if a selection fits no setting or several, or if no place has both settings.
-pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
+pub fn settings(a: &Run, b: &Run, selections: [&Selection; 2], threshold: f64) -> Result<Vec<TimeComparison>, String> {
     let comparison = Comparison::new(a, b, threshold);
-    let [all_of_a, all_of_b] = both_by_subject(a, b);
-    let with_option = |side: &str, e: String| format!("--{side} {e}");
-    let fitting_a = chosen[0].fitting_in(a, &all_of_a).map_err(|e| with_option("a", e))?;
-    let fitting_b = chosen[1].fitting_in(b, &all_of_b).map_err(|e| with_option("b", e))?;
+    let [samples_of_a, samples_of_b] = both_by_subject(a, b);
+    let with_option = |side: &str, message: String| format!("--{side} {message}");
+    let fitting_a = selections[0].fitting_in(a, &samples_of_a).map_err(|e| with_option("a", e))?;
+    let fitting_b = selections[1].fitting_in(b, &samples_of_b).map_err(|e| with_option("b", e))?;
     let mut records = Vec::new();
-    for place in distinct(fitting_a.iter().map(|s| unnamed_place(&s.subject, chosen))) {
-        let is_there = |s: &&&SubjectSamples| unnamed_place(&s.subject, chosen) == place;
-        let [there_in_a, there_in_b] =
-            [&fitting_a, &fitting_b].map(|all| all.iter().filter(is_there).copied().collect::<Vec<_>>());
-        if there_in_b.is_empty() {
+    for place in distinct(fitting_a.iter().map(|s| unnamed_place(&s.subject, selections))) {
+        let is_at_place = |s: &&&SubjectSamples| unnamed_place(&s.subject, selections) == place;
+        let [candidates_a, candidates_b] =
+            [&fitting_a, &fitting_b].map(|fitting| fitting.iter().filter(is_at_place).copied().collect::<Vec<_>>());
+        if candidates_b.is_empty() {
             continue;
         }
-        let picked_a = chosen[0].pick(&there_in_a).map_err(|e| with_option("a", e))?;
-        let picked_b = chosen[1].pick(&there_in_b).map_err(|e| with_option("b", e))?;
+        let picked_a = selections[0].pick(&candidates_a).map_err(|e| with_option("a", e))?;
+        let picked_b = selections[1].pick(&candidates_b).map_err(|e| with_option("b", e))?;
         let in_turn = std::ptr::eq(a, b) && picked_a.subject.place() == picked_b.subject.place();
         records.extend(compare_pair(&comparison, [picked_a, picked_b], in_turn));
     }
     if records.is_empty() {
-        return Err(format!("{:?} and {:?} were timed at no common place", chosen[0].text, chosen[1].text));
+        return Err(format!("{:?} and {:?} were timed at no common place", selections[0].text, selections[1].text));
     }
     Ok(records)
 }
@@ -186,9 +188,10 @@ pub fn settings(a: &Run, b: &Run, chosen: [&Selection; 2], threshold: f64) -> Re
 /// other. `paired` says that frames with the same number were timed in turn.
 fn compare_pair(comparison: &Comparison, [a, b]: [&SubjectSamples; 2], paired: bool) -> Vec<TimeComparison> {
     let records = comparison.records([&a.subject, &b.subject], [&a.passes, &b.passes], paired).into_iter();
-    let [setting_a, setting_b] = [(a, b), (b, a)].map(|(one, other)| one.subject.difference_from(&other.subject, ""));
-    let same_warning = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
-    let warnings = same_warning.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
+    let [setting_a, setting_b] =
+        [(a, b), (b, a)].map(|(setting, other)| setting.subject.difference_from(&other.subject, ""));
+    let same_setting = (a == b).then(|| format!("A and B are one setting of one run, {SAME_SAMPLES}"));
+    let warnings = same_setting.iter().chain(&comparison.warning).cloned().collect::<Vec<_>>();
     let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
     let with_settings = |record: TimeComparison| TimeComparison {
         warning: warning.clone(),
@@ -203,9 +206,9 @@ fn compare_pair(comparison: &Comparison, [a, b]: [&SubjectSamples; 2], paired: b
 /// `series` has the samples of one setting. `threshold` is the change of a time that counts, as a share, at least 0 and
 /// below 1.
 pub fn in_turns(run: &Run, series: &[Vec<TimeSample>], threshold: f64) -> Vec<TimeComparison> {
-    let all: Vec<Vec<SubjectSamples>> = series.iter().map(|samples| by_subject(samples)).collect();
+    let grouped: Vec<Vec<SubjectSamples>> = series.iter().map(|samples| by_subject(samples)).collect();
     let comparison = Comparison::new(run, run, threshold);
-    let Some(first) = all.first().and_then(|subjects| subjects.first()) else { return Vec::new() };
-    let others = all.iter().skip(1).filter_map(|subjects| subjects.first());
+    let Some(first) = grouped.first().and_then(|subjects| subjects.first()) else { return Vec::new() };
+    let others = grouped.iter().skip(1).filter_map(|subjects| subjects.first());
     others.flat_map(|other| compare_pair(&comparison, [first, other], true)).collect()
 }

@@ -62,8 +62,8 @@ impl Subject {
 
     /// Whether the subject's method reads a value. It reads all but some parameters of the effect around it.
     fn reads(&self, name: &str) -> bool {
-        let is_of_effect = EffectParams::table().iter().any(|p| p.name == name);
-        let method = methods::find(self.get("method")).ok().filter(|_| is_of_effect);
+        let is_effect_parameter = EffectParams::table().iter().any(|p| p.name == name);
+        let method = methods::find(self.get("method")).ok().filter(|_| is_effect_parameter);
         method.is_none_or(|method| method.read_parameters().iter().any(|p| p.name == name))
     }
 

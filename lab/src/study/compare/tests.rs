@@ -4,8 +4,8 @@ use super::*;
 use std::sync::Arc;
 
 /// Makes the sample of a pass in the frame with number `sample`. All samples have the same scene, view and settings.
-fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
-    let set = [
+fn time_sample(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
+    let values = [
         ("scene", "rooms"),
         ("view", "hall"),
         ("method", method),
@@ -15,16 +15,16 @@ fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSam
         ("resolution_scale", "1"),
         ("cone_samples", "7"),
     ];
-    let subject = Subject(set.map(|(name, value)| (name.to_owned(), value.to_owned())).into());
+    let subject = Subject(values.map(|(name, value)| (name.to_owned(), value.to_owned())).into());
     TimeSample { subject: Arc::new(subject), sample, pass: pass.into(), counted, ms, floors: [None; 2] }
 }
 
 /// Makes a run of six frames of a method, with an uncounted pass and two counted passes; `scale` multiplies the time of
 /// the pass `trace`.
 fn run(method: &str, scale: f64) -> Run {
-    let frame = |n| {
+    let frame = |number| {
         [("lit", false, 5.0), ("trace", true, 2.0 * scale), ("composite", true, 1.0)]
-            .map(|(pass, counted, ms)| row(method, n, pass, counted, ms))
+            .map(|(pass, counted, ms)| time_sample(method, number, pass, counted, ms))
     };
     Run { name: method.into(), device: None, samples: (0..6).flat_map(frame).collect() }
 }
@@ -57,10 +57,10 @@ fn a_difference_within_the_noise_floor_leaves_the_verdict_undecided() {
         let records = times(&run("ssct", 1.0), &with_floor(1.2, floors), 0.05);
         ["trace", TOTAL].map(|pass| records.iter().find(|r| r.pass == pass).expect(pass).verdict)
     };
-    let (open, slower) = (Some(Verdict::Undecided), Some(Verdict::Slower));
+    let (undecided, slower) = (Some(Verdict::Undecided), Some(Verdict::Slower));
     assert_eq!(verdicts([None, None]), [slower, slower]);
-    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [open, slower]);
-    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, open]);
+    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [undecided, slower]);
+    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, undecided]);
     let table = cells(&times(&run("ssct", 1.0), &with_floor(1.2, [Some(0.3), None]), 0.05), false);
     let row = table.iter().find(|row| row.iter().any(|cell| cell == "trace")).expect("the pass");
     assert!(row.last().is_some_and(|verdict| verdict.starts_with("UNDECIDED by the floor, n ")), "{row:?}");
@@ -117,10 +117,10 @@ fn a_setting_that_one_file_lacks_is_ignored_with_a_warning() {
     for s in &mut older.samples {
         Arc::make_mut(&mut s.subject).0.remove("cone_samples");
     }
-    for (a, b, who) in [(&plain, &older, "B's samples"), (&older, &plain, "A's samples")] {
+    for (a, b, whose_samples) in [(&plain, &older, "B's samples"), (&older, &plain, "A's samples")] {
         let records = times(a, b, 0.05);
         assert!(records.len() == 4 && records.iter().all(|r| r.only_in.is_none()), "{records:?}");
-        assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(who) && w.contains("cone_samples")));
+        assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(whose_samples) && w.contains("cone_samples")));
     }
     assert!(times(&older, &older, 0.05)[0].warning.as_ref().is_some_and(|w| !w.contains("samples do not say")));
     // Settings of the other run's other methods do not count as settings of this run.
@@ -157,7 +157,7 @@ fn errors_of_images_are_relative_to_the_first_image() {
 }
 
 /// Sets the value with a name in the subject of every sample of a run.
-fn with(mut run: Run, name: &str, value: &str) -> Run {
+fn with_value(mut run: Run, name: &str, value: &str) -> Run {
     for s in &mut run.samples {
         Arc::make_mut(&mut s.subject).0.insert(name.into(), value.into());
     }
@@ -173,8 +173,8 @@ fn two_settings() -> Run {
         }
         run
     };
-    let first = loaded(with(run("ssct", 1.0), "iterations", "1024"), 1.0);
-    let second = loaded(with(run("ssct", 1.0), "iterations", "64"), 1.2);
+    let first = loaded(with_value(run("ssct", 1.0), "iterations", "1024"), 1.0);
+    let second = loaded(with_value(run("ssct", 1.0), "iterations", "64"), 1.2);
     Run { samples: [first.samples, second.samples].concat(), ..run("ssct", 1.0) }
 }
 
@@ -213,10 +213,10 @@ fn a_selection_picks_one_setting_or_gives_a_message() {
     assert!(error_of("hzct", &run).contains("--a \"hzct\": ssct has no such setting; it has method ssct"));
     assert!(error_of("ssct --iterations 65", &run).contains("it has iterations 1024, 64; method ssct"));
     assert!(error_of("ssct --iteration 64", &run).contains("have no iteration"));
-    let with_samples = |cone_samples: &str| with(two_settings(), "cone_samples", cone_samples).samples;
+    let with_samples = |cone_samples: &str| with_value(two_settings(), "cone_samples", cone_samples).samples;
     let several = Run { samples: [with_samples("3"), with_samples("5")].concat(), ..two_settings() };
-    let wrong = error_of("ssct --iterations 64", &several);
-    assert!(wrong.contains("\"ssct --cone-samples 3\" and \"ssct --cone-samples 5\""), "{wrong}");
+    let message = error_of("ssct --iterations 64", &several);
+    assert!(message.contains("\"ssct --cone-samples 3\" and \"ssct --cone-samples 5\""), "{message}");
     for (text, why) in [("", "neither a method"), ("ssct 64", "no option stands before"), ("ssct -- 3", "no option")] {
         assert!(text.parse::<Selection>().expect_err(text).contains(why), "{text}");
     }
@@ -224,7 +224,7 @@ fn a_selection_picks_one_setting_or_gives_a_message() {
 
 #[test]
 fn selections_may_name_values_of_the_place() {
-    let [smooth, rough] = ["0", "0.1"].map(|r| with(run("ssct", 1.0), "roughness", r).samples);
+    let [smooth, rough] = ["0", "0.1"].map(|value| with_value(run("ssct", 1.0), "roughness", value).samples);
     let both = Run { samples: [smooth, rough].concat(), ..run("ssct", 1.0) };
     let chosen = ["--roughness 0", "--roughness 0.1"].map(selection);
     let records = settings(&both, &both, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
@@ -239,16 +239,16 @@ fn selections_may_name_values_of_the_place() {
 fn passes_of_one_chain_are_added_up_and_tables_begin_with_the_total_and_changed_passes() {
     let levels = |name: &str, trace: f64| {
         let passes = [("lit", false, 9.0), ("hi-z/1", true, 2.0), ("hi-z/2", true, 1.0), ("copy", true, 4.0)];
-        let frame = |n| {
-            let all = passes.into_iter().chain([("trace", true, trace)]);
-            all.map(|(pass, counted, ms)| row("ssct", n, pass, counted, ms)).collect::<Vec<_>>()
+        let frame = |number| {
+            let all_passes = passes.into_iter().chain([("trace", true, trace)]);
+            all_passes.map(|(pass, counted, ms)| time_sample("ssct", number, pass, counted, ms)).collect::<Vec<_>>()
         };
         Run { name: name.into(), device: None, samples: (0..6).flat_map(frame).collect() }
     };
     let records = times(&levels("a", 2.0), &levels("b", 3.0), 0.05);
     let group = records.iter().find(|r| r.pass == "hi-z").expect("a group");
     assert_eq!((group.median_a_ms, group.ratio, &group.part_of), (Some(3.0), Some(1.0), &None));
-    let shown = |all| ordered(&records, all).iter().map(|r| r.pass.as_str()).collect::<Vec<_>>();
+    let shown = |with_parts| ordered(&records, with_parts).iter().map(|r| r.pass.as_str()).collect::<Vec<_>>();
     assert_eq!(shown(false), ["total", "trace", "copy", "hi-z", "lit"]);
     assert_eq!(shown(true), ["total", "trace", "copy", "hi-z", "hi-z/1", "hi-z/2", "lit"]);
 }
@@ -258,11 +258,11 @@ fn an_undecided_verdict_has_the_number_of_samples_that_would_decide() {
     let mut wide = run("ssct", 1.0);
     wide.samples.iter_mut().filter(|s| s.pass == "trace").for_each(|s| s.ms *= [0.7, 1.0, 1.3][s.sample as usize % 3]);
     let records = times(&run("ssct", 1.0), &wide, 0.05);
-    let named = |pass: &str| records.iter().find(|r| r.pass == pass).expect(pass);
-    let trace = named("trace");
+    let record_of = |pass: &str| records.iter().find(|r| r.pass == pass).expect(pass);
+    let trace = record_of("trace");
     assert_eq!(trace.verdict, Some(Verdict::Undecided));
     assert!(trace.samples_to_decide.is_some_and(|n| n > 6), "{trace:?}");
-    assert_eq!((named("composite").verdict, named("composite").samples_to_decide), (Some(Verdict::Same), None));
+    assert_eq!((record_of("composite").verdict, record_of("composite").samples_to_decide), (Some(Verdict::Same), None));
     let shown = cells(&records, false);
     let row = shown.iter().find(|row| row[6] == "trace").expect("a row");
     let expected = format!("UNDECIDED, n about {}", trace.samples_to_decide.expect("a number"));
@@ -275,9 +275,9 @@ fn a_run_or_setting_compared_with_itself_gives_a_warning() {
     let warning = |records: &[TimeComparison]| records[0].warning.clone().unwrap_or_default();
     assert!(warning(&times(&a, &b, 0.05)).contains("A and B are one run, with the same samples"));
     assert!(!warning(&times(&a, &run("ssct", 1.5), 0.05)).contains("one run"));
-    let one = selection("ssct");
-    let itself = settings(&a, &a, [&one, &one], 0.05).expect("it is there");
-    assert!(warning(&itself).contains("A and B are one setting of one run"), "{itself:?}");
+    let ssct = selection("ssct");
+    let with_itself = settings(&a, &a, [&ssct, &ssct], 0.05).expect("it is there");
+    assert!(warning(&with_itself).contains("A and B are one setting of one run"), "{with_itself:?}");
     let turns = two_settings();
     let chosen = ["--iterations 1024", "--iterations 64"].map(selection);
     let others = settings(&turns, &turns, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
@@ -302,7 +302,8 @@ fn records_have_the_drift_of_the_scene_passes() {
 
 #[test]
 fn settings_of_different_sizes_have_no_drift() {
-    let [small, large] = ["16", "32"].map(|width| with(with(run("ssct", 1.0), "width", width), "height", "8"));
+    let [small, large] =
+        ["16", "32"].map(|width| with_value(with_value(run("ssct", 1.0), "width", width), "height", "8"));
     let both = Run { samples: [small.samples, large.samples].concat(), ..run("ssct", 1.0) };
     let chosen = ["ssct --size 16x8", "ssct --size 32x8"].map(selection);
     let records = settings(&both, &both, [&chosen[0], &chosen[1]], 0.05).expect("both are there");
@@ -319,22 +320,22 @@ fn different_settings_of_equal_runs_are_compared_without_a_warning() {
 
 #[test]
 fn a_selection_finds_the_column_of_a_lens_option() {
-    let wide = with(run("ssct", 1.0), "fov_degrees", "90");
+    let wide = with_value(run("ssct", 1.0), "fov_degrees", "90");
     let chosen = ["ssct --fov 90", "ssct --fov=90"].map(selection);
     assert!(settings(&wide, &wide, [&chosen[0], &chosen[1]], 0.05).is_ok());
 }
 
 /// Returns the records that compare two settings of one run, which has the samples of `runs`.
-fn between(runs: &[Run], chosen: [&str; 2]) -> Vec<TimeComparison> {
+fn records_of_settings(runs: &[Run], chosen: [&str; 2]) -> Vec<TimeComparison> {
     let samples = runs.iter().flat_map(|run| run.samples.clone()).collect();
-    let all = Run { name: "all".into(), device: None, samples };
+    let joined_run = Run { name: "all".into(), device: None, samples };
     let chosen = chosen.map(selection);
-    settings(&all, &all, [&chosen[0], &chosen[1]], 0.05).expect("both are there")
+    settings(&joined_run, &joined_run, [&chosen[0], &chosen[1]], 0.05).expect("both are there")
 }
 
 #[test]
 fn settings_that_draw_different_g_buffers_have_no_drift() {
-    let beyond = |method: &str, value: &str| with(run(method, 1.0), "beyond", value);
+    let beyond = |method: &str, value: &str| with_value(run(method, 1.0), "beyond", value);
     let runs = [beyond("ssct", "auto"), beyond("traced", "none"), beyond("unified", "auto"), beyond("unified", "none")];
     for (chosen, is_same_work) in [
         (["unified --beyond auto", "unified --beyond none"], false),
@@ -343,13 +344,13 @@ fn settings_that_draw_different_g_buffers_have_no_drift() {
         (["ssct", "unified --beyond none"], true),
         (["traced", "unified --beyond auto"], true),
     ] {
-        let records = between(&runs, chosen);
+        let records = records_of_settings(&runs, chosen);
         assert!(records.iter().all(|r| r.drift.is_some() == is_same_work), "{chosen:?}: {:?}", records[0].drift);
     }
     // With captures, a fallback or several bounces, rays do not go on among triangles.
     for (name, value) in [("captures", "4"), ("captures", "auto"), ("fallback", "pccm"), ("bounces", "2")] {
-        let runs = [beyond("ssct", "auto"), with(beyond("unified", "auto"), name, value)];
-        assert!(between(&runs, ["ssct", "unified"]).iter().all(|r| r.drift.is_some()), "{name}");
+        let runs = [beyond("ssct", "auto"), with_value(beyond("unified", "auto"), name, value)];
+        assert!(records_of_settings(&runs, ["ssct", "unified"]).iter().all(|r| r.drift.is_some()), "{name}");
     }
     // A file that is older than the parameter does not say what was drawn.
     let old = run("unified", 1.0);
@@ -358,14 +359,14 @@ fn settings_that_draw_different_g_buffers_have_no_drift() {
 
 #[test]
 fn columns_show_both_values_where_settings_differ() {
-    let place = |roughness: &str, width: &str, view: &str| {
-        let set =
+    let run_at = |roughness: &str, width: &str, view: &str| {
+        let values =
             [("roughness", roughness), ("width", width), ("height", "9"), ("view", view), ("normal_deviation", "")];
-        set.into_iter().fold(run("ssct", 1.0), |run, (name, value)| with(run, name, value))
+        values.into_iter().fold(run("ssct", 1.0), |run, (name, value)| with_value(run, name, value))
     };
     let runs =
-        [place("0", "16", "hall"), place("0.1", "16", "hall"), place("0", "32", "hall"), place("", "16", "window")];
-    let labels = |chosen: [&str; 2]| between(&runs, chosen)[0].labels();
+        [run_at("0", "16", "hall"), run_at("0.1", "16", "hall"), run_at("0", "32", "hall"), run_at("", "16", "window")];
+    let labels = |chosen: [&str; 2]| records_of_settings(&runs, chosen)[0].labels();
     let rough = labels(["ssct --roughness 0 --size 16x9", "ssct --roughness 0.1"]);
     assert_eq!(rough[..4], ["rooms hall", "16x9", "0 / 0.1", "own"]);
     assert_eq!(rough[4..6], ["ssct roughness 0", "ssct roughness 0.1"]);
@@ -377,11 +378,12 @@ fn columns_show_both_values_where_settings_differ() {
 
 #[test]
 fn the_note_on_own_values_is_for_values_that_no_option_set() {
-    let of_deviation = |value: &str| with(with(run("ssct", 1.0), "normal_deviation", value), "roughness", "0.1");
+    let run_with_deviation =
+        |value: &str| with_value(with_value(run("ssct", 1.0), "normal_deviation", value), "roughness", "0.1");
     let note = |values: [&str; 2]| {
         let chosen = values.map(|value| format!("--normal-deviation {value}"));
-        let runs = values.map(|value| of_deviation(if value == "own" { "" } else { value }));
-        note_on_own(&between(&runs, [&chosen[0], &chosen[1]]))
+        let runs = values.map(|value| run_with_deviation(if value == "own" { "" } else { value }));
+        note_on_own(&records_of_settings(&runs, [&chosen[0], &chosen[1]]))
     };
     assert_eq!(note(["0", "0.5"]), None);
     assert!(note(["own", "0.5"]).is_some());
@@ -389,10 +391,10 @@ fn the_note_on_own_values_is_for_values_that_no_option_set() {
 
 #[test]
 fn a_setting_is_named_by_the_parameters_that_its_method_reads() {
-    let beyond = |method: &str, value: &str| with(run(method, 1.0), "beyond", value);
+    let beyond = |method: &str, value: &str| with_value(run(method, 1.0), "beyond", value);
     let runs = [beyond("ssct", "auto"), beyond("unified", "none")];
     let names = |runs: &[Run], chosen| {
-        let record = between(runs, chosen).remove(0);
+        let record = records_of_settings(runs, chosen).remove(0);
         [record.setting_a, record.setting_b].map(Option::unwrap_or_default)
     };
     assert_eq!(names(&runs, ["ssct", "unified"]), ["ssct", "unified beyond none"]);

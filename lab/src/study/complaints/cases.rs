@@ -47,8 +47,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "pixels of the tower's reflection that are wrong, %",
         at_most: 5.0,
         input: |size| still(scenes::sky_gap(), size, MIRROR_RAYS),
-        number: |all, variant| {
-            Some(percent_wrong_at_last(all, variant, |seen, i| no_edge(seen, i) && seen.end_meshes[i] == "tower"))
+        number: |frames, variant| {
+            Some(percent_wrong_at_last(frames, variant, |seen, i| no_edge(seen, i) && seen.end_meshes[i] == "tower"))
         },
         is_film: false,
     },
@@ -58,8 +58,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "pixels that are wrong where the mirrored wall shows no pole, %",
         at_most: 2.0,
         input: |size| still(scenes::poles(), size, MIRROR_RAYS),
-        number: |all, variant| {
-            Some(percent_wrong_at_last(all, variant, |seen, i| {
+        number: |frames, variant| {
+            Some(percent_wrong_at_last(frames, variant, |seen, i| {
                 no_edge_and_shown(seen, i) && seen.place(i).x > 2.99 && seen.end_meshes[i] != "poles"
             }))
         },
@@ -71,7 +71,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "error of the floor's reflection over the truth's own, %",
         at_most: 20.0,
         input: |size| still(scenes::grazing(), size, GLOSS_RAYS),
-        number: |all, variant| Some(error_at_last(all, variant, everywhere)),
+        number: |frames, variant| Some(error_at_last(frames, variant, everywhere)),
         is_film: false,
     },
     Complaint {
@@ -80,7 +80,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "pixels that another pair of planes changes, at most, %",
         at_most: 0.5,
         input: planes,
-        number: |all, variant| Some(changed_from_first(all, variant, no_edge)),
+        number: |frames, variant| Some(changed_from_first(frames, variant, no_edge)),
         is_film: false,
     },
     Complaint {
@@ -89,7 +89,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "wrong pixels at the worst size less those at the best, percentage points",
         at_most: 1.0,
         input: sizes,
-        number: |all, variant| Some(spread_of_wrong(all, variant, no_edge_and_shown)),
+        number: |frames, variant| Some(spread_of_wrong(frames, variant, no_edge_and_shown)),
         is_film: false,
     },
     Complaint {
@@ -98,8 +98,10 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "wrong pixels of the pillar's reflection at the worst distance less those at the best, percentage points",
         at_most: 5.0,
         input: distances,
-        number: |all, variant| {
-            Some(spread_of_wrong(all, variant, |seen, i| no_edge_and_shown(seen, i) && seen.end_meshes[i] == "pillar"))
+        number: |frames, variant| {
+            Some(spread_of_wrong(frames, variant, |seen, i| {
+                no_edge_and_shown(seen, i) && seen.end_meshes[i] == "pillar"
+            }))
         },
         is_film: false,
     },
@@ -109,7 +111,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "error near silhouettes over the truth's own, %",
         at_most: 20.0,
         input: |size| still(scenes::silhouettes(), size, GLOSS_RAYS),
-        number: |all, variant| Some(error_at_last(all, variant, |seen, i| !seen.is_alike_around(i, 5))),
+        number: |frames, variant| Some(error_at_last(frames, variant, |seen, i| !seen.is_alike_around(i, 5))),
         is_film: false,
     },
     Complaint {
@@ -118,7 +120,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "pixels of the metal's reflection that are wrong with one bounce, %",
         at_most: 5.0,
         input: |size| CaseInput { bounces: 2, ..still(scenes::metal(), size, MIRROR_RAYS) },
-        number: |all, variant| Some(percent_wrong_at_last(all, variant, reflects_metal)),
+        number: |frames, variant| Some(percent_wrong_at_last(frames, variant, reflects_metal)),
         is_film: false,
     },
     Complaint {
@@ -131,7 +133,7 @@ pub const COMPLAINTS: &[Complaint] = &[
             change_setup: |setup| setup.with(|p: &mut EffectParams| p.bounces = 2),
             ..still(scenes::metal(), size, MIRROR_RAYS)
         },
-        number: |all, variant| Some(percent_wrong_at_last(all, variant, reflects_metal)),
+        number: |frames, variant| Some(percent_wrong_at_last(frames, variant, reflects_metal)),
         is_film: false,
     },
     Complaint {
@@ -144,7 +146,7 @@ pub const COMPLAINTS: &[Complaint] = &[
             // The camera turns slowly.
             ..motion(scenes::blocks("blocks", 0.0), size, MIRROR_RAYS, |n, frame| frame.view.look_at.x += 0.012 * n)
         },
-        number: |all, variant| change_error(all, variant, pixel_changes),
+        number: |frames, variant| change_error(frames, variant, pixel_changes),
         is_film: true,
     },
     Complaint {
@@ -156,7 +158,7 @@ pub const COMPLAINTS: &[Complaint] = &[
             spoil: Some(spoil_by_nan),
             ..repeated(scenes::blocks("blocks", 0.2), size, GLOSS_RAYS, FRAMES)
         },
-        number: |all, variant| Some(blackened(all, variant, everywhere)),
+        number: |frames, variant| Some(blackened(frames, variant, everywhere)),
         is_film: true,
     },
     Complaint {
@@ -184,9 +186,9 @@ pub const COMPLAINTS: &[Complaint] = &[
                 frame.moved = vec![("weapon", step)];
             }))
         },
-        number: |all, variant| {
+        number: |frames, variant| {
             let is_beside = |seen: &SeenFrame, i| no_edge_and_shown(seen, i) && near_close_surface(seen, i);
-            Some(percent_wrong_at_last(all, variant, is_beside))
+            Some(percent_wrong_at_last(frames, variant, is_beside))
         },
         is_film: true,
     },
@@ -201,7 +203,7 @@ pub const COMPLAINTS: &[Complaint] = &[
                 frame.jitter_px = [0, 1].map(|axis| random.uniform(axis) as f32 - 0.5);
             })
         },
-        number: |all, variant| change_error_at_rest(all, variant, pixel_changes),
+        number: |frames, variant| change_error_at_rest(frames, variant, pixel_changes),
         is_film: true,
     },
     Complaint {
@@ -210,8 +212,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "pixels behind the pane whose reflection is wrong, %",
         at_most: 2.0,
         input: |size| CaseInput { spoil: Some(blend_pane), ..still(scenes::pane(), size, MIRROR_RAYS) },
-        number: |all, variant| {
-            Some(percent_wrong_at_last(all, variant, |seen, i| {
+        number: |frames, variant| {
+            Some(percent_wrong_at_last(frames, variant, |seen, i| {
                 no_edge_and_shown(seen, i) && seen.place(i).z > PANE_Z && seen.place(i).x.abs() < 1.0
             }))
         },
@@ -223,8 +225,8 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "error of the stripes' reflection over the truth's own, %",
         at_most: 20.0,
         input: |size| still(scenes::stripes(), size, GLOSS_RAYS),
-        number: |all, variant| {
-            Some(error_at_last(all, variant, |seen, i| seen.end_meshes[i] == "stripes" && seen.place(i).z > 4.0))
+        number: |frames, variant| {
+            Some(error_at_last(frames, variant, |seen, i| seen.end_meshes[i] == "stripes" && seen.place(i).z > 4.0))
         },
         is_film: false,
     },
@@ -234,7 +236,7 @@ pub const COMPLAINTS: &[Complaint] = &[
         measured: "how far changes of the picture's parts from frame to frame are off the truth's, over the truth's colour, %",
         at_most: 3.0,
         input: resolutions,
-        number: |all, variant| change_error_at_rest(all, variant, cell_changes),
+        number: |frames, variant| change_error_at_rest(frames, variant, cell_changes),
         is_film: true,
     },
 ];
@@ -310,19 +312,19 @@ fn reflects_metal(seen: &SeenFrame, pixel: usize) -> bool {
 /// Computes how much of the moving block's red is left in the last frame, in percent. The pixels that count are those
 /// whose mirror ray met the block, the mesh "thing", in an earlier frame and does not in the last. `None` without
 /// frames.
-fn red_left(all: &[SeenFrame], variant: usize) -> Option<f64> {
-    let (last, earlier) = all.split_last()?;
+fn red_left(frames: &[SeenFrame], variant: usize) -> Option<f64> {
+    let (last, earlier) = frames.split_last()?;
     let was_met = |i: &usize| earlier.iter().any(|seen| seen.end_meshes[*i] == "thing");
-    let left_pixels = last.pixels(|seen, i| no_edge(seen, i) && seen.end_meshes[i] != "thing").filter(was_met);
-    Some(excess_of_red(last, variant, left_pixels, scenes::RED))
+    let ghost_pixels = last.pixels(|seen, i| no_edge(seen, i) && seen.end_meshes[i] != "thing").filter(was_met);
+    Some(excess_of_red(last, variant, ghost_pixels, scenes::RED))
 }
 
 /// Replaces the colour of some pixels that do not reflect by NaN, in the G-buffer of the frame with number `frame`.
 fn spoil_by_nan(data: &mut GBufferData, frame: usize) {
     // Every 211th pixel is tried, and the choice moves on by 37 pixels in each frame.
-    for i in (0..data.depth.len()).filter(|i| (i + 37 * frame).is_multiple_of(211)) {
-        if !data.reflects(i) {
-            data.color[i] = Vec3::NAN;
+    for pixel in (0..data.depth.len()).filter(|pixel| (pixel + 37 * frame).is_multiple_of(211)) {
+        if !data.reflects(pixel) {
+            data.color[pixel] = Vec3::NAN;
         }
     }
 }
@@ -334,10 +336,10 @@ const PANE_X: [f64; 2] = [-1.0, 1.0];
 /// World y of the lower and the upper side of the pane, in metres.
 const PANE_Y: [f64; 2] = [0.2, 2.6];
 /// Opacity of the pane.
-const PANE_COVERS: f32 = 0.6;
+const PANE_OPACITY: f32 = 0.6;
 
 /// Blends the red of a pane over the colour of each pixel that is seen through it, as renderers do that draw
-/// transparent surfaces last. Depth and normals stay as they are.
+/// transparent surfaces last. Depth and normals stay as they are. The frame's number is not used.
 fn blend_pane(data: &mut GBufferData, _: usize) {
     let clip_to_view = data.view_to_clip().inverse();
     let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
@@ -346,11 +348,11 @@ fn blend_pane(data: &mut GBufferData, _: usize) {
         let [x, y] = [i as u32 % data.width, i as u32 / data.width].map(|v| f64::from(v) + 0.5);
         let depth = f64::from(data.depth[i]);
         let surface: DVec3 = view_to_world.transform_point3(data.unproject(x, y, depth, &clip_to_view));
-        // Where the line of sight crosses the plane of the pane.
+        // The point at which the line of sight crosses the plane of the pane.
         let crossing = eye + (surface - eye) * ((PANE_Z - eye.z) / (surface.z - eye.z));
-        let is_within = |range: [f64; 2], v: f64| (range[0]..range[1]).contains(&v);
+        let is_within = |range: [f64; 2], place: f64| (range[0]..range[1]).contains(&place);
         if surface.z > PANE_Z && is_within(PANE_X, crossing.x) && is_within(PANE_Y, crossing.y) {
-            data.color[i] = data.color[i].lerp(scenes::RED, PANE_COVERS);
+            data.color[i] = data.color[i].lerp(scenes::RED, PANE_OPACITY);
         }
     }
 }

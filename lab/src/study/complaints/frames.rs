@@ -32,7 +32,7 @@ pub struct CaseInput {
     pub bounces: u32,
     /// Rays a pixel of the true reflection.
     pub rays: u32,
-    /// Changes the G-buffer that methods see, frame by frame; the true reflection is not changed.
+    /// Changes the G-buffer that methods see, given the frame's number; the true reflection is not changed.
     pub spoil: Option<fn(&mut GBufferData, usize)>,
 }
 
@@ -91,8 +91,8 @@ pub fn show_frames(
 ) -> Result<Vec<SeenFrame>> {
     let mut stage = Stage::new(gpu, &input.scene)?;
     let mut last_methods: Option<CaseMethods> = None;
-    let mut all = Vec::new();
-    for (n, frame) in input.frames.iter().enumerate() {
+    let mut seen_frames = Vec::new();
+    for (frame_index, frame) in input.frames.iter().enumerate() {
         for (name, offset) in &frame.moved {
             stage.scene_mut().place_meshes(name, *offset)?;
         }
@@ -102,20 +102,20 @@ pub fn show_frames(
             None => CaseMethods::new(&mut stage, input, frame, variants)?,
         };
         let methods = last_methods.insert(methods);
-        if n == 0 {
+        if frame_index == 0 {
             methods.settle(&mut stage)?;
         }
         let screen = methods.draw(&mut stage, frame.camera(&input.scene))?;
         let spoilt_screen = input.spoil.map(|spoil| {
             let mut data = screen.clone();
-            spoil(&mut data, n);
+            spoil(&mut data, frame_index);
             data
         });
         let images = methods.reflect(&mut stage, input, spoilt_screen.as_ref())?;
-        all.push(seen_frame(input, frame, screen, images));
+        seen_frames.push(seen_frame(input, frame, screen, images));
         step()?;
     }
-    Ok(all)
+    Ok(seen_frames)
 }
 
 /// The variants, made for frames of one size.
@@ -169,27 +169,27 @@ impl CaseMethods {
     /// Draws the reflection by each variant: on the G-buffer `spoilt`, if one is given, else on the G-buffer that each
     /// variant draws itself.
     fn reflect(&self, stage: &mut Stage, input: &CaseInput, spoilt: Option<&GBufferData>) -> Result<Vec<Pixels>> {
-        let mut all = Vec::new();
+        let mut reflections = Vec::new();
         let Some(data) = spoilt else {
             for shot in &self.shots {
                 let (_, _, output) = stage.output(shot)?;
-                all.push(reflection(&mut stage.context, &output)?);
+                reflections.push(reflection(&mut stage.context, &output)?);
             }
-            return Ok(all);
+            return Ok(reflections);
         };
         let (context, scene) = stage.parts();
         let images = GBufferImages::upload(context, data)?;
         for effect in &self.effects {
             let scene = SceneInput { data: scene, materials: &input.scene.materials };
-            let of_screen = Input::of_screen(images.gbuffer(), &data.camera);
+            let screen_input = Input::of_screen(images.gbuffer(), &data.camera);
             let mut frame = context.begin(Mode::Plain)?;
             frame.begin_effect();
-            let effect_input = Input { scene: Some(scene), sky: Some(scene.data.sky()), ..of_screen };
+            let effect_input = Input { scene: Some(scene), sky: Some(scene.data.sky()), ..screen_input };
             let output = effect.record(&mut frame, &effect_input)?;
             frame.finish()?;
-            all.push(reflection(context, &output)?);
+            reflections.push(reflection(context, &output)?);
         }
-        Ok(all)
+        Ok(reflections)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The numbers that measure complaints: how far a variant's images, or their changes from frame to frame, differ from
-//! the true reflection over a region. In these functions `all` has the frames of a case, and `variant` is the index of
-//! a variant.
+//! the true reflection over a region. In these functions `frames` or `film` has the frames of a case, and `variant` is
+//! the index of a variant.
 
 use super::frames::SeenFrame;
 use glam::{DVec3, Vec3};
@@ -97,8 +97,8 @@ pub fn percent_wrong(seen: &SeenFrame, variant: usize, region: Region) -> f64 {
 }
 
 /// Returns the percentage of a region's pixels that are wrong in the last frame.
-pub fn percent_wrong_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
-    all.last().map_or(0.0, |seen| percent_wrong(seen, variant, region))
+pub fn percent_wrong_at_last(frames: &[SeenFrame], variant: usize, region: Region) -> f64 {
+    frames.last().map_or(0.0, |seen| percent_wrong(seen, variant, region))
 }
 
 /// Returns the difference between the greatest and the least of some numbers, which must be at least 0.
@@ -108,25 +108,25 @@ fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
 
 /// Returns the percentage of a region's pixels that are wrong in the worst frame, minus the percentage in the best
 /// frame.
-pub fn spread_of_wrong(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
-    spread(all.iter().map(|seen| percent_wrong(seen, variant, region)))
+pub fn spread_of_wrong(frames: &[SeenFrame], variant: usize, region: Region) -> f64 {
+    spread(frames.iter().map(|seen| percent_wrong(seen, variant, region)))
 }
 
 /// Returns the percentage of a region's pixels whose colour differs from their colour in the first frame by more than
 /// [`WRONG`], in the later frame in which most do. All frames have one size, so that a pixel has one index in all of
 /// them.
-pub fn changed_from_first(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
+pub fn changed_from_first(frames: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let percentage = |seen: &SeenFrame| {
-        let first = &all[0].reflections[variant];
+        let first = &frames[0].reflections[variant];
         percent(seen.pixels(region).map(|i| is_wrong(seen.reflections[variant][i], first[i])))
     };
-    all.iter().skip(1).map(percentage).fold(0.0, f64::max)
+    frames.iter().skip(1).map(percentage).fold(0.0, f64::max)
 }
 
 /// Returns the root mean square error over a region in the last frame, in percent of the root mean square of the true
 /// reflection there.
-pub fn error_at_last(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
-    let Some(seen) = all.last() else { return 0.0 };
+pub fn error_at_last(frames: &[SeenFrame], variant: usize, region: Region) -> f64 {
+    let Some(seen) = frames.last() else { return 0.0 };
     let square = |v: Vec3| f64::from(v.length_squared());
     let error: f64 =
         seen.pixels(region).map(|i| square(finite_or_black(seen.reflections[variant][i]) - seen.truth[i])).sum();
@@ -163,7 +163,7 @@ const GRID: [usize; 2] = [60, 34];
 /// Returns the change of the mean colour of each cell of a grid over the image, so that frames may differ in size.
 /// Cells without reflecting pixels in one of the frames are left out.
 pub fn cell_changes(frames: [&SeenFrame; 2], images: [&[Vec3]; 2]) -> Vec<Vec3> {
-    let [before, now] = [0, 1].map(|n| cell_means(frames[n], images[n]));
+    let [before, now] = [0, 1].map(|side| cell_means(frames[side], images[side]));
     before.into_iter().zip(now).filter_map(|(before, now)| Some(now? - before?)).collect()
 }
 
@@ -191,18 +191,18 @@ struct ChangeSums {
     /// Sum of the mean colours of the true reflection.
     true_light: f64,
     /// Sum of the mean colours of the method's reflection.
-    made_light: f64,
+    method_light: f64,
 }
 
 impl ChangeSums {
     /// Computes the sums of a variant's film; `changes` finds the changes between two consecutive frames.
-    fn over_frames(all: &[SeenFrame], variant: usize, changes: Changes) -> Self {
+    fn over_frames(film: &[SeenFrame], variant: usize, changes: Changes) -> Self {
         let mut sums = Self::default();
-        for pair in all.windows(2) {
+        for pair in film.windows(2) {
             let frames = [&pair[0], &pair[1]];
-            let made_changes = changes(frames, frames.map(|seen| &seen.reflections[variant][..]));
+            let method_changes = changes(frames, frames.map(|seen| &seen.reflections[variant][..]));
             let true_changes = changes(frames, frames.map(|seen| &seen.truth[..]));
-            sums.error += flicker::mean(&made_changes, |n, change| change - true_changes[n]);
+            sums.error += flicker::mean(&method_changes, |index, change| change - true_changes[index]);
             sums.true_change += flicker::mean(&true_changes, |_, change| change);
             let now = &pair[1];
             let light = |image: &[Vec3]| {
@@ -210,7 +210,7 @@ impl ChangeSums {
                 flicker::mean(&colors, |_, color| color)
             };
             sums.true_light += light(&now.truth);
-            sums.made_light += light(&now.reflections[variant]);
+            sums.method_light += light(&now.reflections[variant]);
         }
         sums
     }
@@ -218,22 +218,22 @@ impl ChangeSums {
     /// Returns how far the method's changes differ from the true changes, in percent of the sum `whole`. `None` if
     /// `whole` is 0, or if the method shows less than half of the true light: a missing reflection never flickers.
     fn percent_of(&self, whole: f64) -> Option<f64> {
-        let shows_enough = self.made_light >= 0.5 * self.true_light;
+        let shows_enough = self.method_light >= 0.5 * self.true_light;
         (whole > 0.0 && shows_enough).then_some(100.0 * self.error / whole)
     }
 }
 
 /// Returns how far changes from frame to frame differ from the true changes: the mean absolute difference over changes
 /// and channels, in percent of the mean absolute true change.
-pub fn change_error(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
-    let sums = ChangeSums::over_frames(all, variant, changes);
+pub fn change_error(film: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
+    let sums = ChangeSums::over_frames(film, variant, changes);
     sums.percent_of(sums.true_change)
 }
 
 /// Returns how far changes from frame to frame differ from the true changes, in percent of the true mean colour. This
 /// is for films whose true reflection hardly changes, so that the changes themselves are no scale.
-pub fn change_error_at_rest(all: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
-    let sums = ChangeSums::over_frames(all, variant, changes);
+pub fn change_error_at_rest(film: &[SeenFrame], variant: usize, changes: Changes) -> Option<f64> {
+    let sums = ChangeSums::over_frames(film, variant, changes);
     sums.percent_of(sums.true_light)
 }
 
@@ -242,14 +242,14 @@ const BLACK: f32 = 0.02;
 
 /// Returns the percentage of a region's pixels, in the worst frame, that are NaN, infinite or black where the true
 /// reflection is so bright that black would be wrong.
-pub fn blackened(all: &[SeenFrame], variant: usize, region: Region) -> f64 {
+pub fn blackened(frames: &[SeenFrame], variant: usize, region: Region) -> f64 {
     let is_black = |color: Vec3| !(color.is_finite() && color.max_element() > BLACK);
     let percentage = |seen: &SeenFrame| {
         percent(
             seen.pixels(region).map(|i| is_black(seen.reflections[variant][i]) && is_wrong(Vec3::ZERO, seen.truth[i])),
         )
     };
-    all.iter().map(percentage).fold(0.0, f64::max)
+    frames.iter().map(percentage).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -258,7 +258,7 @@ mod tests {
     use ssct_scenes::{Camera, GBufferData, Lens, Surface};
 
     /// Makes a frame of 4×2 reflecting pixels, with a true reflection and the reflection by one variant, both grey.
-    fn seen(truth: [f32; 8], made: [f32; 8]) -> SeenFrame {
+    fn grey_frame(truth: [f32; 8], reflection: [f32; 8]) -> SeenFrame {
         let colors = |values: [f32; 8]| values.map(Vec3::splat).to_vec();
         let screen = GBufferData {
             width: 4,
@@ -278,36 +278,36 @@ mod tests {
             end_meshes,
             end_is_shown: vec![true; 8],
             places: vec![None; 8],
-            reflections: vec![colors(made)],
+            reflections: vec![colors(reflection)],
         }
     }
 
     /// A reflection that is 0.5 in each pixel.
     const HALF: [f32; 8] = [0.5; 8];
     /// A reflection that is wrong in two pixels of eight, if `HALF` is the truth.
-    const OFF: [f32; 8] = [0.5, 0.5, 0.5, 0.7, 0.5, 0.5, f32::NAN, 0.59];
+    const TWO_WRONG: [f32; 8] = [0.5, 0.5, 0.5, 0.7, 0.5, 0.5, f32::NAN, 0.59];
 
     #[test]
     fn wrong_pixels_are_those_that_differ_or_are_no_number() {
-        assert_eq!(percent_wrong(&seen(HALF, HALF), 0, everywhere), 0.0);
-        assert_eq!(percent_wrong(&seen(HALF, OFF), 0, everywhere), 25.0);
+        assert_eq!(percent_wrong(&grey_frame(HALF, HALF), 0, everywhere), 0.0);
+        assert_eq!(percent_wrong(&grey_frame(HALF, TWO_WRONG), 0, everywhere), 25.0);
         // The pixels of the third and the fourth column show an edge.
-        assert_eq!(percent_wrong(&seen(HALF, OFF), 0, no_edge), 0.0);
-        assert_eq!(spread_of_wrong(&[seen(HALF, OFF), seen(HALF, HALF)], 0, everywhere), 25.0);
+        assert_eq!(percent_wrong(&grey_frame(HALF, TWO_WRONG), 0, no_edge), 0.0);
+        assert_eq!(spread_of_wrong(&[grey_frame(HALF, TWO_WRONG), grey_frame(HALF, HALF)], 0, everywhere), 25.0);
     }
 
     #[test]
     fn later_frames_are_compared_with_the_first() {
-        let frame = |made| seen(HALF, made);
+        let frame = |reflection| grey_frame(HALF, reflection);
         assert_eq!(changed_from_first(&[frame(HALF), frame(HALF)], 0, everywhere), 0.0);
-        assert_eq!(changed_from_first(&[frame(OFF), frame(HALF), frame(OFF)], 0, everywhere), 25.0);
+        assert_eq!(changed_from_first(&[frame(TWO_WRONG), frame(HALF), frame(TWO_WRONG)], 0, everywhere), 25.0);
     }
 
     #[test]
     fn an_error_is_a_share_of_the_truth_and_an_excess_counts_only_redder_pixels() {
-        let error = error_at_last(&[seen(HALF, [0.25; 8])], 0, everywhere);
+        let error = error_at_last(&[grey_frame(HALF, [0.25; 8])], 0, everywhere);
         assert!((error - 50.0).abs() < 1e-4, "{error}");
-        let mut red = seen(HALF, HALF);
+        let mut red = grey_frame(HALF, HALF);
         red.reflections[0][2] = Vec3::new(0.5, 0.1, 0.5);
         red.reflections[0][3] = Vec3::new(0.1, 0.5, 0.5);
         let excess = excess_of_red(&red, 0, 0..4, Vec3::X);
@@ -316,15 +316,16 @@ mod tests {
 
     #[test]
     fn black_and_infinite_pixels_and_nans_count_unless_the_truth_is_black() {
-        let made = [0.0, f32::NAN, f32::INFINITY, 0.5, 0.5, 0.5, 0.5, 0.0];
+        let reflection = [0.0, f32::NAN, f32::INFINITY, 0.5, 0.5, 0.5, 0.5, 0.0];
         let truth = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.0];
-        assert_eq!(blackened(&[seen(truth, made), seen(HALF, HALF)], 0, everywhere), 37.5);
+        assert_eq!(blackened(&[grey_frame(truth, reflection), grey_frame(HALF, HALF)], 0, everywhere), 37.5);
     }
 
     #[test]
     fn changes_are_compared_with_true_changes_and_an_absent_reflection_has_no_number() {
-        let film = |made: [[f32; 8]; 2]| [seen([0.4; 8], made[0]), seen([0.5; 8], made[1])];
-        let change = |made| change_error(&film(made), 0, pixel_changes);
+        let film =
+            |reflections: [[f32; 8]; 2]| [grey_frame([0.4; 8], reflections[0]), grey_frame([0.5; 8], reflections[1])];
+        let change = |reflections| change_error(&film(reflections), 0, pixel_changes);
         assert_eq!(change([[0.4; 8], [0.5; 8]]), Some(0.0));
         let shaking = change([[0.4; 8], [0.7; 8]]).unwrap();
         assert!((shaking - 200.0).abs() < 1e-3, "0.3 where 0.1 is right: {shaking}");

@@ -19,20 +19,22 @@ const FRAMES_PER_SECOND: f32 = 6.0;
 
 /// Returns the path of a case's picture in the folder of the run; `method` is a variant's name, or [`TRUTH`].
 pub fn file(complaint: &Complaint, method: &str) -> String {
-    let plain = |text: &str| -> String {
+    let file_name_part = |text: &str| -> String {
         text.chars().filter(|c| *c != ',').map(|c| if c.is_alphanumeric() { c } else { '-' }).collect()
     };
     let ending = if complaint.is_film { "webp" } else { "png" };
-    format!("{FOLDER}/{}-{}.{ending}", plain(complaint.name), plain(method))
+    format!("{FOLDER}/{}-{}.{ending}", file_name_part(complaint.name), file_name_part(method))
 }
 
-/// Makes the picture files of a case: of the true reflection, and of each variant, in the order of their names `names`.
+/// Makes the picture files of a case: one of the true reflection, and one of each variant. `names` are the names of the
+/// variants.
 pub fn files(complaint: &Complaint, names: &[String], frames: &[SeenFrame]) -> Vec<ExtraFile> {
     let truth = frames.iter().map(|seen| picture(seen, &seen.truth)).collect();
-    let of_variant = |variant: usize| frames.iter().map(|seen| picture(seen, &seen.reflections[variant])).collect();
+    let variant_pictures =
+        |variant: usize| frames.iter().map(|seen| picture(seen, &seen.reflections[variant])).collect();
     let extra_file =
         |name: &str, pictures| ExtraFile { path: file(complaint, name), content: content(complaint, pictures) };
-    let methods = names.iter().enumerate().map(|(variant, name)| extra_file(name, of_variant(variant)));
+    let methods = names.iter().enumerate().map(|(variant, name)| extra_file(name, variant_pictures(variant)));
     std::iter::once(extra_file(TRUTH, truth)).chain(methods).collect()
 }
 
@@ -41,10 +43,10 @@ type Picture = ([u32; 2], Vec<u8>);
 
 /// Makes the finished picture of a frame: its lit colour, plus reflectivity times a reflection, without a fade.
 fn picture(seen: &SeenFrame, reflection: &[Vec3]) -> Picture {
-    let share = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
+    let reflectivity = |i: usize| if seen.screen.reflects(i) { seen.screen.reflectivity[i] } else { 0.0 };
     let colors = seen.screen.color.iter().zip(reflection).enumerate();
-    let bytes =
-        colors.flat_map(|(i, (lit, color))| (*lit + share(i) * finite_or_black(*color)).to_array().map(display_byte));
+    let bytes = colors
+        .flat_map(|(i, (lit, color))| (*lit + reflectivity(i) * finite_or_black(*color)).to_array().map(display_byte));
     ([seen.screen.width, seen.screen.height], bytes.collect())
 }
 

@@ -75,13 +75,13 @@ impl Row for ComplaintRow {
     /// Returns the pictures of each case: the true reflection beside each method.
     fn clips(rows: &[Self]) -> Vec<ClipGroup> {
         let group = |case: &String| {
-            let of_case: Vec<&Self> = rows.iter().filter(|row| row.case == *case).collect();
+            let case_rows: Vec<&Self> = rows.iter().filter(|row| row.case == *case).collect();
             let complaint = COMPLAINTS.iter().find(|c| c.name == case)?;
             let clip = |name: &str, caption: String| {
                 let file = pictures::file(complaint, name);
                 Clip { file, name: name.to_owned(), caption }
             };
-            let methods = of_case.iter().map(|row| clip(&row.method, row.value_text()));
+            let methods = case_rows.iter().map(|row| clip(&row.method, row.value_text()));
             let clips = std::iter::once(clip(TRUTH, String::new())).chain(methods).collect();
             Some(ClipGroup { title: format!("{case}: {}", complaint.complaint), clips })
         };
@@ -100,12 +100,13 @@ impl ComplaintRow {
 /// Makes the cells of the table of numbers: a line for each case and a column for each method. The second column has
 /// the greatest number that is good.
 fn number_cells(rows: &[ComplaintRow]) -> Vec<Vec<String>> {
-    let (case, method) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
-    let mut cells = pivot("complaint", rows, [&case, &method], |here| here.first().map(|row| row.value_text()));
-    for (n, line) in cells.iter_mut().enumerate() {
+    let (case_name, method_name) = (|r: &ComplaintRow| r.case.clone(), |r: &ComplaintRow| r.method.clone());
+    let mut cells =
+        pivot("complaint", rows, [&case_name, &method_name], |cell_rows| cell_rows.first().map(|row| row.value_text()));
+    for (line_index, line) in cells.iter_mut().enumerate() {
         let first_of_case = rows.iter().find(|row| row.case == line[0]);
         let at_most = first_of_case.map_or_else(String::new, |row| row.at_most.to_string());
-        line.insert(1, if n == 0 { "good".to_owned() } else { format!("≤ {at_most}") });
+        line.insert(1, if line_index == 0 { "good".to_owned() } else { format!("≤ {at_most}") });
     }
     cells
 }

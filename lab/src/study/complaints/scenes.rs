@@ -108,10 +108,10 @@ pub fn block(min: [f32; 3], max: [f32; 3]) -> impl FnOnce(&mut MeshBuilder) {
 /// reflection is visible.
 fn back_wall(mut parts: SceneParts, x: f32, height: f32, z: f32) -> SceneParts {
     const STRIPES: usize = 24;
-    for (name, albedo, first) in [("wall", GREY, 0), ("wall-dark", GREEN, 1)] {
+    for (name, albedo, first_stripe) in [("wall", GREY, 0), ("wall-dark", GREEN, 1)] {
         parts = parts.paint(name, albedo, |mesh| {
-            for stripe in (first..STRIPES).step_by(2) {
-                let [from, to] = [stripe, stripe + 1].map(|n| x * (2.0 * n as f32 / STRIPES as f32 - 1.0));
+            for stripe in (first_stripe..STRIPES).step_by(2) {
+                let [from, to] = [stripe, stripe + 1].map(|edge| x * (2.0 * edge as f32 / STRIPES as f32 - 1.0));
                 wall([from, to], [0.0, height], z)(mesh);
             }
         });
@@ -222,6 +222,7 @@ pub fn stripes() -> Scene {
     const STRIPES_M: f32 = 0.5;
     let mut scene = SceneParts::new()
         .mirror("floor", 0.0, |mesh| {
+            // A grid of 1 × 96 cells, over which s and t run from 0 to 1.
             mesh.surface(Vec3::ZERO, [1, 96], |s, t| {
                 let (x, z) = (24.0 * s - 12.0, 14.0 * t);
                 // A parabola of this height follows a circle of the radius near its top.
@@ -235,6 +236,7 @@ pub fn stripes() -> Scene {
             *mesh = striped;
         })
         .with_view("stripes", [0.0, 1.2, -1.0], [0.0, 0.9, 5.0]);
+    // The material of the stripes is the second one, after that of the floor.
     scene.materials[1].albedo_map = Some(0);
     scene.textures = vec![stripe()];
     scene

@@ -59,9 +59,9 @@ impl ComplaintStudy {
         value: Option<f64>,
     ) -> ComplaintRow {
         let (name, method_variant) = &self.variants[variant];
-        let first = &input.frames[0];
-        let setup = (input.change_setup)(method_variant.setup.with_extent(first.extent));
-        let lens = first.view.lens.unwrap_or(input.scene.lens);
+        let first_frame = &input.frames[0];
+        let setup = (input.change_setup)(method_variant.setup.with_extent(first_frame.extent));
+        let lens = first_frame.view.lens.unwrap_or(input.scene.lens);
         ComplaintRow {
             kind: "complaints".to_owned(),
             program: Provenance::on(gpu),
@@ -72,16 +72,16 @@ impl ComplaintStudy {
             value,
             at_most: complaint.at_most,
             is_good: value.is_some_and(|value| value <= complaint.at_most),
-            width: first.extent[0],
-            height: first.extent[1],
+            width: first_frame.extent[0],
+            height: first_frame.extent[1],
             frames: input.frames.len(),
             setup: recorded_setup(&setup, Some(method_variant.method), &lens, &Globals::default()),
         }
     }
 }
 
-/// Makes the variants of a method, each with its name: the method with the given setup, and the method on the screen
-/// alone if it can follow rays from the screen among the triangles.
+/// Makes the variants of a method, each with its name: the method with the given setup, and, if it can follow rays from
+/// the screen among the triangles, the method on the screen alone.
 fn variants(method: &'static MethodInfo, setup: &Setup) -> Vec<(String, Variant)> {
     let plain = (method.name.to_owned(), Variant { method, setup: setup.clone() });
     let setup_on_screen = setup.with(|p: &mut EffectParams| p.beyond = BeyondScreen::None);
@@ -106,9 +106,13 @@ impl Study for ComplaintStudy {
                 let setup = (input.change_setup)(variant.setup.clone());
                 json!([name, setup.recorded(Some(variant.method))])
             };
-            let set: Vec<_> = self.variants.iter().map(variant_settings).collect();
+            let variants: Vec<_> = self.variants.iter().map(variant_settings).collect();
             let inputs = json!([scene_digest(&input.scene), format!("{:?}", input.frames), input.bounces, input.rays]);
-            Planned { name: complaint.name.to_owned(), setup: json!([complaint.measured, inputs, set]), cell: index }
+            Planned {
+                name: complaint.name.to_owned(),
+                setup: json!([complaint.measured, inputs, variants]),
+                cell: index,
+            }
         };
         self.cases.iter().enumerate().map(planned).collect()
     }

@@ -46,12 +46,12 @@ impl JudgedImage<'_> {
     /// Returns the share of the reflecting pixels that are black; `None` if no pixel reflects.
     fn black(&self) -> Option<f64> {
         let reflecting = self.color.iter().zip(&self.truth.mask).filter(|(_, reflects)| **reflects);
-        let (mut pixels, mut black) = (0.0, 0.0);
+        let (mut pixels, mut black_pixels) = (0.0, 0.0);
         for (color, _) in reflecting {
             pixels += 1.0;
-            black += f64::from(u8::from(*color == [0.0; 3]));
+            black_pixels += f64::from(u8::from(*color == [0.0; 3]));
         }
-        (pixels > 0.0).then(|| black / pixels)
+        (pixels > 0.0).then(|| black_pixels / pixels)
     }
 
     /// Returns the mean FLIP between the display images of the reference and of the image.
@@ -133,7 +133,7 @@ impl RecordTemplate {
         color: &[[f32; 3]],
         hits: Option<&MethodHits>,
     ) -> Vec<ErrorRecord> {
-        let hits = hits.filter(|_| truth.mirrors);
+        let hits = hits.filter(|_| truth.has_only_mirrors);
         let screen = truth.screen(self.oracle);
         let mut records = Vec::new();
         if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {

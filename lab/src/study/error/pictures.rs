@@ -14,7 +14,7 @@ pub fn picture_file(cell: &str, name: &str) -> String {
     format!("{cell}-{}.png", safe_word(name))
 }
 
-/// Returns the file name of the FLIP map of a picture, in the folder of the pictures.
+/// Returns the file name of the FLIP map of a picture of the cell named `cell`, in the folder of the pictures.
 pub fn flip_file(cell: &str, name: &str) -> String {
     format!("{cell}-{}-flip.png", safe_word(name))
 }

@@ -103,15 +103,15 @@ fn noise(cell_noises: &[f64], cells: usize) -> f64 {
 /// finite or whose time is 0 are left out.
 pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
     let columns = more_columns();
-    let mut all: Vec<VariantValues> = Vec::new();
+    let mut variants: Vec<VariantValues> = Vec::new();
     for r in records.iter().filter(|r| r.against == against) {
         let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
         let name = r.head.variant();
-        let index = all.iter().position(|known| known.name == name).unwrap_or_else(|| {
-            all.push(VariantValues { name, more: vec![Vec::new(); columns.len()], ..VariantValues::default() });
-            all.len() - 1
+        let index = variants.iter().position(|variant| variant.name == name).unwrap_or_else(|| {
+            variants.push(VariantValues { name, more: vec![Vec::new(); columns.len()], ..VariantValues::default() });
+            variants.len() - 1
         });
-        let values = &mut all[index];
+        let values = &mut variants[index];
         values.times_ms.push(time);
         values.noises.extend(noise_of(r));
         values.errors.push(error);
@@ -123,7 +123,7 @@ pub fn points(records: &[ErrorRecord], against: ErrorReference) -> Vec<Point> {
         }
     }
     let median = |values: &[f64]| Stats::from_samples(values).median_ms;
-    let mut points: Vec<Point> = all
+    let mut points: Vec<Point> = variants
         .into_iter()
         .map(|values| Point {
             time_ms: median(&values.times_ms),
@@ -163,10 +163,10 @@ pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
     let label = |r: &ErrorRecord| format!("{}, {}", r.head.method_and_fallback(), r.against.name());
     let errors = first_records().filter_map(|r| Some((label(r), column(r), r.image.rmse?)));
     let floors = first_records().filter_map(|r| Some((format!("{FLOOR}, world"), column(r), r.floor?)));
-    // Each value has the label of its line, the header of its column, and a number.
-    let all: Vec<(String, String, f64)> = errors.chain(floors).collect();
-    pivot("what, against", &all, [&|(label, ..)| label.clone(), &|(_, column, _)| column.clone()], |of_cell| {
-        let values: Vec<f64> = of_cell.iter().map(|(.., value)| *value).collect();
+    // An entry has the label of its line, the header of its column, and a number.
+    let entries: Vec<(String, String, f64)> = errors.chain(floors).collect();
+    pivot("what, against", &entries, [&|(label, ..)| label.clone(), &|(_, column, _)| column.clone()], |cell_entries| {
+        let values: Vec<f64> = cell_entries.iter().map(|(.., value)| *value).collect();
         Some(format!("{:.4}", Stats::from_samples(&values).median_ms))
     })
 }

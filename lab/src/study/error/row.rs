@@ -113,8 +113,9 @@ impl Row for ErrorRecord {
             let points = points::points(rows, against);
             // A reference may be that of some cells alone, as the oracle is that of mirrors.
             let averaged = rows.iter().filter(|r| r.against == against && points::is_averaged(r));
-            let count = averaged.map(name_of_cell).collect::<BTreeSet<_>>().len();
-            let about = if count == 1 { format!("One cell. {ABOUT}") } else { format!("{count} cells. {ABOUT}") };
+            let cell_count = averaged.map(name_of_cell).collect::<BTreeSet<_>>().len();
+            let about =
+                if cell_count == 1 { format!("One cell. {ABOUT}") } else { format!("{cell_count} cells. {ABOUT}") };
             let title = format!("{axis}, mean over the cells; * is on the Pareto front");
             let floor = points::floor(rows).filter(|_| against == ErrorReference::World);
             let cells = point_cells(&points, floor);
@@ -133,10 +134,10 @@ impl Row for ErrorRecord {
     fn charts(rows: &[Self]) -> Vec<Chart> {
         let chart = |(against, name, axis): (ErrorReference, &str, &str)| {
             let points = points::points(rows, against);
-            let named =
+            let named_point =
                 |p: &Point| NamedPoint { name: p.name.clone(), position: [p.time_ms, p.error], on_front: p.on_front };
             let axes = [TIME_AXIS, axis].map(str::to_owned);
-            let drawing = Drawing::Points(axes, points.iter().map(named).collect());
+            let drawing = Drawing::Points(axes, points.iter().map(named_point).collect());
             let title = format!("Run time against {axis}");
             (!points.is_empty()).then(|| Chart::new(format!("error-{name}"), title, drawing))
         };
@@ -154,16 +155,17 @@ fn bytes_against_error(points: &[Point]) -> Option<Chart> {
         return None;
     }
     let front = pareto::front(&points.iter().map(|p| (prepared_mib(p), p.error)).collect::<Vec<_>>());
-    let named = |(index, p): (usize, &&Point)| NamedPoint {
+    let named_point = |(index, p): (usize, &&Point)| NamedPoint {
         name: p.name.clone(),
         position: [prepared_mib(p), p.error],
         on_front: front.contains(&index),
     };
     let axes = ["MiB on the device, prepared", WORLD_AXIS].map(str::to_owned);
-    let drawing = Drawing::Points(axes, points.iter().enumerate().map(named).collect());
+    let drawing = Drawing::Points(axes, points.iter().enumerate().map(named_point).collect());
     Some(Chart::new("error-world-bytes", format!("Prepared bytes against {WORLD_AXIS}"), drawing))
 }
 
+/// Returns the name of the cell in which a record was measured.
 fn name_of_cell(r: &ErrorRecord) -> String {
     cell_name(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
 }
@@ -173,12 +175,13 @@ fn name_of_cell(r: &ErrorRecord) -> String {
 fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
     let is_first = |r: &&ErrorRecord| {
-        let set = serde_json::to_string(&r.head.setup).unwrap_or_default();
-        seen.insert(format!("{} {} {:?} {:?} {set}", name_of_cell(r), r.head.method, r.head.preset, r.against))
+        let setup = serde_json::to_string(&r.head.setup).unwrap_or_default();
+        seen.insert(format!("{} {} {:?} {:?} {setup}", name_of_cell(r), r.head.method, r.head.preset, r.against))
     };
     records.iter().filter(is_first).cloned().collect()
 }
 
+/// Bytes in a mebibyte.
 const MIB: f64 = (1 << 20) as f64;
 
 /// Makes the cells of a table with a row for each point, and a last row for the floor, if given. Place agreement,
@@ -188,14 +191,14 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
     // Makes a row of seven cells, without those that no point has, and of the cells `more` of further figures.
     let make_row = |[name, time, error, front, place, bytes, prepared_ms]: [String; 7], more: Vec<String>| {
-        let first = [name, time, error, front].into_iter().chain(has_places.then_some(place));
-        first.chain([bytes, prepared_ms].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
+        let leading = [name, time, error, front].into_iter().chain(has_places.then_some(place));
+        leading.chain([bytes, prepared_ms].into_iter().filter(|_| has_prepared)).chain(more).collect::<Vec<_>>()
     };
     // Further figures that some point has, with their places in a point's list.
     let columns: Vec<_> = points::more_columns()
         .into_iter()
         .enumerate()
-        .filter(|(i, _)| points.iter().any(|p| p.more.get(*i).is_some_and(Option::is_some)))
+        .filter(|(index, _)| points.iter().any(|p| p.more.get(*index).is_some_and(Option::is_some)))
         .collect();
     let point_row = |p: &Point| {
         let front = if p.on_front { "*" } else { "" };
@@ -203,7 +206,7 @@ fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
         let (bytes, prepared_ms) = p.prepared.unwrap_or_default();
         let [time, error] = [format!("{:.3}", p.time_ms), format!("{:.4}", p.error)];
         let [mib, prepared_ms] = [format!("{:.1}", bytes / MIB), format!("{prepared_ms:.0}")];
-        let more = columns.iter().map(|(i, column)| column.shown_number(p.more[*i])).collect();
+        let more = columns.iter().map(|(index, column)| column.shown_number(p.more[*index])).collect();
         make_row([p.name.clone(), time, error, front.to_owned(), place, mib, prepared_ms], more)
     };
     let headers = ["variant", "median ms", "mean error", "front", "right places, r 0", "prepared MiB", "prepared ms"];

@@ -26,6 +26,7 @@ pub struct ErrorStudy {
 struct StudiedScene {
     scene: Scene,
     views: Vec<View>,
+    /// Digest of the scene, which the keys of results include.
     digest: String,
     /// The variants whose methods find what they need in the scene.
     variants: Vec<Variant>,
@@ -53,11 +54,11 @@ impl ErrorStudy {
         variants: Vec<Variant>,
         (samples, rays): (usize, u32),
     ) -> Self {
-        let studied = |(scene, views): (Scene, Vec<View>)| {
+        let studied_scene = |(scene, views): (Scene, Vec<View>)| {
             let variants = variants.iter().filter(|v| v.method.unmet_needs(&scene).is_empty()).cloned().collect();
             StudiedScene { digest: scene_digest(&scene), scene, views, variants }
         };
-        let scenes = scenes.into_iter().map(studied).filter(|studied| !studied.variants.is_empty()).collect();
+        let scenes = scenes.into_iter().map(studied_scene).filter(|studied| !studied.variants.is_empty()).collect();
         Self { scenes, sizes, globals, samples, rays, loaded_scene: LastMade::default() }
     }
 

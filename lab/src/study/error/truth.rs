@@ -30,7 +30,7 @@ pub(super) struct Truth {
     /// Whether each pixel reflects.
     pub(super) mask: Vec<bool>,
     /// Whether every reflecting pixel is a mirror; only then are hits compared.
-    pub(super) mirrors: bool,
+    pub(super) has_only_mirrors: bool,
     /// The references in screen space, by each version of the oracle that a variant is compared with.
     pub(super) screens: Vec<ScreenTruth>,
     /// Where each pixel's mirror ray ends in the world; empty unless all reflecting pixels are mirrors.
@@ -78,15 +78,17 @@ pub(super) fn truth(
     bounces: u32,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
-    let (mask, mirrors) = (data.reflecting(), are_mirrors(&data));
+    let (mask, has_only_mirrors) = (data.reflecting(), are_mirrors(&data));
     let mut screen_truth = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
-        let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
+        let mirror_hit = |pixel: u32| {
+            mask[pixel as usize].then(|| hierarchy.trace(pixel % data.width, pixel / data.width).position())
+        };
         let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, bounces };
         let image = ScreenReference::render_while(&data, &mask, sampling, go_on)?;
         Ok(ScreenTruth {
             version,
-            hits: (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect(),
+            hits: (0..mask.len() as u32).into_par_iter().map(|pixel| mirror_hit(pixel).flatten()).collect(),
             image: Reference::new(&image.color, image.overall_standard_error),
         })
     };
@@ -108,9 +110,9 @@ pub(super) fn truth(
     let world = Reference::new(&reference.image(&state).reflection, state.overall_standard_error());
     let floor = masked_rmse(&world.color, &colors(&floor.image(&state)), &mask);
     Ok(Truth {
-        mirrors,
+        has_only_mirrors,
         screens,
-        world_hits: if mirrors { world_hits(&triangles, &data, &first_hits) } else { Vec::new() },
+        world_hits: if has_only_mirrors { world_hits(&triangles, &data, &first_hits) } else { Vec::new() },
         world,
         floor,
         data,

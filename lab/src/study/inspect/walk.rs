@@ -85,8 +85,8 @@ impl Walk {
         let hit = traversal.walk(&ray, |visit| {
             let side = (1 << visit.level) as f32;
             let place = visit.cell.as_vec2();
-            // A ray that meets a cell stays where it entered the cell, since the next visited cell lies within;
-            // otherwise it moves to where it leaves the cell.
+            // `span` has where the ray enters the cell and where it leaves it. A ray that meets the cell stays where it
+            // entered, since the next visited cell lies within; otherwise it moves to where it leaves.
             let position = ray.point_at(visit.span[usize::from(!visit.meets)]);
             positions.push(position.xy());
             cells.push(VisitedCell {

@@ -105,9 +105,9 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
         ("motion", _) => vec![(Quantity::MotionDeviation, number("/deviation"))],
         _ => Vec::new(),
     };
-    let if_sound =
+    let sound_figure =
         |(quantity, value): (Quantity, Option<f64>)| Some((quantity, value.filter(|v| v.is_finite() && *v >= 0.0)?));
-    figures.into_iter().filter_map(if_sound).collect()
+    figures.into_iter().filter_map(sound_figure).collect()
 }
 
 /// Reads the first fields of a record. The error names the field that is missing, as the end of a sentence that begins
@@ -135,13 +135,13 @@ fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
 /// Collects everything that was set for a measurement from the parts of a record in which versions of the program have
 /// put it.
 fn setup(json: &Json) -> RecordedSetup {
-    let top = FORMERLY_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
-    let mut all: RecordedSetup = top.collect();
+    let top_level = FORMERLY_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
+    let mut settings: RecordedSetup = top_level.collect();
     for part in ["params", "setup"] {
         let values = json[part].as_object().into_iter().flatten();
-        all.extend(values.map(|(name, value)| (name.clone(), value.clone())));
+        settings.extend(values.map(|(name, value)| (name.clone(), value.clone())));
     }
-    all
+    settings
 }
 
 /// Makes the setting of a record: scene, size, roughness, and the other settings that belong to the place of the
@@ -165,10 +165,11 @@ fn method(head: &Head) -> String {
     if methods::find(&head.method).is_ok() || [EXACT_HITS, SCREEN_REFERENCE].contains(&&*head.method) {
         return head.variant();
     }
-    let of_effect: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
-    let of_place = ["preset", "width", "height", "roughness"].iter().chain(&PLACE_SETTINGS);
-    let not_of_method: Vec<&str> = of_place.copied().chain(of_effect).collect();
-    let of_method =
-        head.setup.iter().filter(|(name, value)| !not_of_method.contains(&name.as_str()) && !value.is_null());
-    of_method.fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", setting_text(value)))
+    let effect_names: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    let place_names = ["preset", "width", "height", "roughness"].iter().chain(&PLACE_SETTINGS);
+    let other_names: Vec<&str> = place_names.copied().chain(effect_names).collect();
+    let method_parameters =
+        head.setup.iter().filter(|(name, value)| !other_names.contains(&name.as_str()) && !value.is_null());
+    method_parameters
+        .fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", setting_text(value)))
 }

@@ -22,6 +22,7 @@ fn time_record(device_name: &str, view: &str, method: &str, ms: f64) -> Json {
     })
 }
 
+/// Makes a run of the library from some records, without samples of its frames.
 fn run(name: &str, records: &[Json]) -> LibraryRun {
     let mut run = LibraryRun {
         name: name.into(),
@@ -148,24 +149,25 @@ fn records_of_the_first_version_are_read_and_a_missing_field_is_named() {
     assert_eq!(record(&exact_hits).expect("read").measurements[0].method, "exact-hits+cone");
 
     assert!(are_records(&[old]) && !are_records(&[]) && !are_records(&[json!({ "kind": "compare" })]));
-    let lacks = |name: &str| {
+    let error_without = |name: &str| {
         let mut record = time_record("gpu", "a", "ssct", 1.0);
         record.as_object_mut().expect("an object").remove(name);
         super::read::record(&record).expect_err(name)
     };
     assert_eq!(
-        ["device", "view", "width", "kind"].map(lacks),
+        ["device", "view", "width", "kind"].map(error_without),
         ["has no device", "has no view", "has no width", "has no kind that is known"]
     );
 }
 
 /// Makes nine frames of two passes that count and one that does not; `factor` multiplies the counted times.
 fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
-    let values = [("scene", "rooms"), ("view", "a"), ("method", "ssct")].map(|(n, v)| (n.to_owned(), v.to_owned()));
+    let values = [("scene", "rooms"), ("view", "a"), ("method", "ssct")]
+        .map(|(name, value)| (name.to_owned(), value.to_owned()));
     let subject = Arc::new(Subject(values.into_iter().collect()));
-    let sample = |n: u64, pass: &str, counted, ms| TimeSample {
+    let sample = |frame: u64, pass: &str, counted, ms| TimeSample {
         subject: Arc::clone(&subject),
-        sample: n,
+        sample: frame,
         pass: pass.to_owned(),
         counted,
         ms,
@@ -185,18 +187,18 @@ fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
 #[test]
 fn each_run_is_compared_with_the_last_on_its_device_as_compare_judges_the_total() {
     let gpu = |name: &str| record(&time_record(name, "a", "ssct", 1.0)).expect("read").device;
-    let with = |device: Option<DeviceInfo>, factor: f64| LibraryRun {
+    let timed_run = |device: Option<DeviceInfo>, factor: f64| LibraryRun {
         samples: Some(totals_only(frames(device, factor))),
         ..run("r", &[])
     };
     let [one, two] = ["one", "two"].map(gpu);
     let library = [
-        with(Some(one.clone()), 1.0),
-        with(Some(two.clone()), 1.0),
+        timed_run(Some(one.clone()), 1.0),
+        timed_run(Some(two.clone()), 1.0),
         run("no samples", &[]),
-        with(None, 1.0),
-        with(Some(one.clone()), 2.0),
-        with(Some(two), 1.001),
+        timed_run(None, 1.0),
+        timed_run(Some(one.clone()), 2.0),
+        timed_run(Some(two), 1.001),
     ];
     let found = changes(&library, 0.05);
     let verdicts: Vec<_> =
