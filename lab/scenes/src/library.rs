@@ -69,7 +69,7 @@ struct Finish {
     tint: Vec3,
     reflectivity: f32,
     roughness: f32,
-    /// Weight of the relief; 1 leaves the relief of the image unchanged.
+    /// Weight of the relief (the normal map); 1 leaves the relief of the image unchanged.
     normal_deviation: f32,
 }
 
@@ -87,12 +87,12 @@ enum SurfaceLook {
 }
 
 impl Finish {
-    /// Makes a finish with this look, roughness 0 and its full relief.
+    /// Makes a white finish with this look, roughness 0 and the full strength of its normal map.
     const fn with_look(name: &'static str, look: SurfaceLook, reflectivity: f32) -> Self {
         Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
     }
 
-    /// Makes a finish with a repeating image.
+    /// Makes a finish whose image is a repeating pattern.
     const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
         Self::with_look(name, SurfaceLook::Pattern(pattern), reflectivity)
     }
@@ -122,7 +122,7 @@ impl Finish {
         Self { reflectivity, roughness, ..self }
     }
 
-    /// Weakens the relief by a weight, for a polished surface.
+    /// Sets the weight of the normal map, which is below 1 for a polished surface.
     const fn smoothed(self, normal_deviation: f32) -> Self {
         Self { normal_deviation, ..self }
     }
@@ -161,7 +161,8 @@ impl SurfaceLook {
     }
 }
 
-/// Makes the materials of a table, in its order, and the images that they use. Finishes with equal looks share images.
+/// Makes the materials that the finishes of a table describe, in its order, and the images that they use. Finishes with
+/// equal looks share images.
 fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     let mut looks: Vec<SurfaceLook> = Vec::new();
     for finish in finishes {
@@ -169,25 +170,26 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
             looks.push(finish.look);
         }
     }
-    let images: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
+    let images_of_looks: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
     let mut textures = Vec::new();
     let mut add_texture = |texture| {
         textures.push(texture);
         textures.len() - 1
     };
-    let maps: Vec<Option<Maps<usize>>> = images
+    // The indices in `textures` of each look's images.
+    let maps_of_looks: Vec<Option<Maps<usize>>> = images_of_looks
         .into_iter()
-        .map(|maps| {
-            maps.map(|maps| Maps {
-                albedo: add_texture(maps.albedo),
-                normal: maps.normal.map(&mut add_texture),
-                mask: maps.mask.map(&mut add_texture),
-                reflectivity: maps.reflectivity.map(&mut add_texture),
+        .map(|images| {
+            images.map(|images| Maps {
+                albedo: add_texture(images.albedo),
+                normal: images.normal.map(&mut add_texture),
+                mask: images.mask.map(&mut add_texture),
+                reflectivity: images.reflectivity.map(&mut add_texture),
             })
         })
         .collect();
     let material = |finish: &Finish| {
-        let maps = looks.iter().position(|&look| look == finish.look).and_then(|index| maps[index].as_ref());
+        let maps = looks.iter().position(|&look| look == finish.look).and_then(|index| maps_of_looks[index].as_ref());
         Material {
             name: finish.name.to_owned(),
             albedo: finish.tint,
@@ -205,13 +207,14 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     (finishes.iter().map(material).collect(), textures)
 }
 
-/// Makes a probe from its position and the least and the greatest corner of its box, in metres.
+/// Makes a probe for a cube map from its position and the least and the greatest corner of the box that corrects its
+/// parallax, in metres.
 fn probe(name: &str, position: [f32; 3], min: [f32; 3], max: [f32; 3]) -> Probe {
     let bounds = Aabb { min: Vec3::from(min), max: Vec3::from(max) };
     Probe { name: name.to_owned(), position: Vec3::from(position), bounds }
 }
 
-/// Makes a view with the scene's lens and materials; `eye` and `look_at` are points in metres.
+/// Makes a view that changes neither the lens nor the materials of the scene; `eye` and `look_at` are in metres.
 fn view(name: &str, eye: [f32; 3], look_at: [f32; 3]) -> View {
     View { name: name.to_owned(), eye: Vec3::from(eye), look_at: Vec3::from(look_at), ..View::default() }
 }

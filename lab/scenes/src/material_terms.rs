@@ -31,20 +31,21 @@ pub fn f0_of_ior(ior: f32) -> f32 {
 }
 
 /// Returns the reflectivity, 0…1, of a surface with the linear base colour `base` and the metalness `metallic`, 0…1.
-/// The part that is not metal reflects `f0` at normal incidence.
+/// The part that is not metal reflects the share `f0` at normal incidence.
 pub fn reflectivity(base: Vec3, metallic: f32, f0: Vec3) -> f32 {
     luminance(f0.lerp(base, metallic)).clamp(0.0, 1.0)
 }
 
-/// Returns the roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, for the exponent α of a Phong lobe; 0 for α ≤ 0.
+/// Returns the roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, for the exponent α of a Phong lobe; 0 for α ≤ 0. This
+/// inverts α(ϱ) = ln ξ / ln cos(ϱ/2) − 1 (docs/definitions.md, "Surfaces"), with ξ = [`XI`].
 pub fn roughness_of_exponent(exponent: f32) -> f32 {
     if exponent > 0.0 { (2.0 * XI.powf(1.0 / (f64::from(exponent) + 1.0)).acos()).clamp(0.0, 1.0) as f32 } else { 0.0 }
 }
 
-/// Returns the roughness ϱ, 0…1, for the perceptual roughness `r`, 0…1, whose GGX lobe has α = r². The two lobes, seen
-/// along the normal, have half of their light within the same angle.
-pub fn roughness_of_perceptual(r: f32) -> f32 {
-    let r = f64::from(r).clamp(0.0, 1.0);
+/// Returns the roughness ϱ, 0…1, for the perceptual roughness r of glTF, 0…1, whose GGX lobe has α = r². The two lobes,
+/// seen along the normal, have half of their light within the same angle.
+pub fn roughness_of_perceptual(perceptual: f32) -> f32 {
+    let r = f64::from(perceptual).clamp(0.0, 1.0);
     roughness_of_alpha(r * r)
 }
 
@@ -58,8 +59,9 @@ pub fn roughness_of_alpha(alpha: f64) -> f32 {
     if half_angle >= FRAC_PI_2 {
         return 1.0;
     }
+    // The Phong lobe of the exponent n has half of its light within the angle at which the cosine to the n + 1 is ½.
     let exponent_plus_one = 0.5_f64.ln() / half_angle.cos().ln();
-    // For tiny angles the cosine is 1 in 64 bits, which makes a mirror.
+    // For tiny angles this cosine of half of ϱ is 1 in 64 bits, which makes a mirror.
     let cosine = XI.powf(1.0 / exponent_plus_one);
     ((2.0 * cosine.min(1.0).acos()) as f32).clamp(0.0, 1.0)
 }
@@ -73,14 +75,14 @@ mod tests {
     /// angle.
     fn half_angle(density: impl Fn(f64) -> f64) -> f64 {
         let steps = 200_000;
-        let angle = |k: usize| (k as f64 + 0.5) / steps as f64 * FRAC_PI_2;
-        let ring = |k: usize| density(angle(k)) * angle(k).sin();
-        let total: f64 = (0..steps).map(ring).sum();
-        let mut sum = 0.0;
-        for k in 0..steps {
-            sum += ring(k);
-            if sum >= 0.5 * total {
-                return angle(k);
+        let angle = |ring: usize| (ring as f64 + 0.5) / steps as f64 * FRAC_PI_2;
+        let light_of_ring = |ring: usize| density(angle(ring)) * angle(ring).sin();
+        let light: f64 = (0..steps).map(light_of_ring).sum();
+        let mut light_so_far = 0.0;
+        for ring in 0..steps {
+            light_so_far += light_of_ring(ring);
+            if light_so_far >= 0.5 * light {
+                return angle(ring);
             }
         }
         FRAC_PI_2

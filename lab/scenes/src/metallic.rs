@@ -34,7 +34,9 @@ pub(super) struct TexelInputs {
     base: Vec3,
     metallic: f32,
     emission: Vec3,
+    /// Factor on the strength of the specular reflection of the part that is not metal.
     specular: f32,
+    /// Colour of this reflection.
     tint: Vec3,
 }
 
@@ -63,10 +65,10 @@ impl Factors {
         if self.unlit {
             return (base, 1.0);
         }
-        let lit = base * (1.0 - texel.metallic * self.metallic);
+        let albedo = base * (1.0 - texel.metallic * self.metallic);
         let emitted = texel.emission * self.emission;
-        let share = luminance(emitted) / luminance(lit + emitted);
-        ((lit + emitted).min(Vec3::ONE), if share.is_finite() { share } else { 0.0 })
+        let emission_share = luminance(emitted) / luminance(albedo + emitted);
+        ((albedo + emitted).min(Vec3::ONE), if emission_share.is_finite() { emission_share } else { 0.0 })
     }
 
     /// Returns the reflectivity at a texel, 0…1.
@@ -78,14 +80,14 @@ impl Factors {
     /// Returns the bytes of a texel for an image of [`Self::colour`]: the colour as sRGB, and the share of emission in
     /// alpha.
     pub(super) fn albedo_texel(&self, texel: &TexelInputs) -> [u8; 4] {
-        let (colour, share) = self.colour(texel);
+        let (colour, emission_share) = self.colour(texel);
         let [r, g, b] = colour.to_array().map(math::display_byte);
-        [r, g, b, byte(share)]
+        [r, g, b, byte(emission_share)]
     }
 }
 
-/// Makes an image as large as the largest input. The function `texel` computes its bytes from the values of all inputs
-/// at the texel's place; a missing input is white.
+/// Makes an image as wide and as high as the widest and the highest input. The function `texel` computes the bytes of a
+/// texel from the values of all inputs at its place; a missing input is white.
 pub(super) fn bake_texels<T: Borrow<Texture>, const N: usize>(
     inputs: &[Option<T>; N],
     encoding: Encoding,
@@ -100,8 +102,8 @@ pub(super) fn bake_texels<T: Borrow<Texture>, const N: usize>(
     for y in 0..height {
         for x in 0..width {
             let uv = DVec2::new((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
-            let value = |image: Option<&Texture>| image.map_or(DVec4::ONE, |image| texture::bilinear(image, uv));
-            rgba.extend(texel(inputs.map(value)));
+            let value_at_uv = |image: Option<&Texture>| image.map_or(DVec4::ONE, |image| texture::bilinear(image, uv));
+            rgba.extend(texel(inputs.map(value_at_uv)));
         }
     }
     Texture { name, width, height, rgba, encoding }

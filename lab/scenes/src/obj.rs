@@ -105,8 +105,8 @@ pub(super) fn load_plain(files: &[ObjFile], options: &ObjOptions, mut origin: Op
     Ok(scene)
 }
 
-/// Reads one file. Its meshes and the materials that they use are added to `scene`, and the images of these materials
-/// to `sources`. `origin` is that of [`load_plain`].
+/// Reads one OBJ file. Its meshes and the materials that they use are added to `scene`, and the images of these
+/// materials to `sources`. `origin` is subtracted from every vertex, as in [`load_plain`], and set if it is `None`.
 fn load_file(
     file: &ObjFile,
     options: &ObjOptions,
@@ -119,8 +119,8 @@ fn load_file(
     let statements = text::normalise(&file.path, &text, origin, options.load.scale, &mut scene.warnings)?;
     drop(text);
     drop(bytes);
-    let names = statements.material_names.clone();
-    let lacks_library = statements.libraries.is_empty() && names.iter().any(|name| name != text::NO_MATERIAL);
+    let material_names = statements.material_names.clone();
+    let lacks_library = statements.libraries.is_empty() && material_names.iter().any(|name| name != text::NO_MATERIAL);
     let definitions = mtl::read_libraries(&file.path, &statements.libraries, &mut scene.warnings)?;
     let parts = polygons::build(&file.path, statements, options, &mut scene.warnings)?;
 
@@ -128,12 +128,12 @@ fn load_file(
         let message = "uses materials but names no MTL file; the materials are white";
         scene.warnings.push(format!("{}: {message}", file.path.display()));
     }
-    let mut warned_of_roughness = false;
+    let mut has_warned_of_roughness = false;
     // The index in the scene for each material of the file, once a part uses it.
-    let mut scene_index: Vec<Option<usize>> = vec![None; names.len()];
+    let mut scene_index: Vec<Option<usize>> = vec![None; material_names.len()];
     for part in &parts {
         if scene_index[part.material].is_none() {
-            let name = &names[part.material];
+            let name = &material_names[part.material];
             let definition = definitions.get(name);
             if let Some(definition) = definition {
                 definition.warn(&mut scene.warnings);
@@ -148,8 +148,8 @@ fn load_file(
             scene_index[part.material] = Some(scene.materials.len());
             let reading = definition.map(mtl::Definition::reading);
             let is_rough = |reading: &MaterialReading| reading.is_metallic && reading.material.roughness >= 1.0;
-            if reading.as_ref().is_some_and(is_rough) && !warned_of_roughness {
-                warned_of_roughness = true;
+            if reading.as_ref().is_some_and(is_rough) && !has_warned_of_roughness {
+                has_warned_of_roughness = true;
                 scene.warnings.push(format!("{}: {}", file.path.display(), material_terms::TOO_ROUGH));
             }
             scene.materials.push(Material {

@@ -74,8 +74,8 @@ pub(super) struct KeySection {
 }
 
 impl SourceText<'_> {
-    /// Makes a path from the sections of a file. Its points are multiplied by `extra_scale`. Errors name the line of
-    /// the faulty section.
+    /// Makes a camera path from the key frames of a file, whose points are in `coordinates` and are multiplied by
+    /// `extra_scale`. Errors name the line of the faulty key frame.
     pub(super) fn camera_path(
         &self,
         name: &str,
@@ -132,17 +132,17 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        let two = "[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n";
+        let table = "[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n";
         let cases = [
             ("", "at least two key frames, not 0"),
-            (two, "not 1"),
+            (table, "not 1"),
             ("[[key]]\neye = [0, 0]\n", ":2: "),
-            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 0]\n"), ":4: it looks at its own eye"),
-            (&format!("{two}[[key]]\neye = [1, nan, 0]\nlook_at = [1, 0, 0]\n"), ":5: eye must have three finite"),
-            (&format!("{two}{two}"), ":4: it repeats"),
-            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1.0\n"), ":4: either every"),
-            (&format!("{two}time = 1\n[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1\n"), ":5: its time"),
-            (&format!("{two}speed = 3\n"), ":4: unknown field"),
+            (&format!("{table}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 0]\n"), ":4: it looks at its own eye"),
+            (&format!("{table}[[key]]\neye = [1, nan, 0]\nlook_at = [1, 0, 0]\n"), ":5: eye must have three finite"),
+            (&format!("{table}{table}"), ":4: it repeats"),
+            (&format!("{table}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1.0\n"), ":4: either every"),
+            (&format!("{table}time = 1\n[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1\n"), ":5: its time"),
+            (&format!("{table}speed = 3\n"), ":4: unknown field"),
         ];
         for (text, expected) in cases {
             let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");

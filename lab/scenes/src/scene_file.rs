@@ -64,9 +64,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let lens = source.lens(&sections.camera, default_lens, extra_scale, 0..0)?;
     let lights = sections.light.iter().map(|section| source.light(section, extra_scale));
     let lights = lights.collect::<Result<Vec<_>>>()?;
-    let note = sections.assumption_note(path);
+    let assumption_note = sections.assumption_note(path);
     let views = source.views(sections.view, lens, extra_scale)?;
-    let views_of_file = views.len();
+    let stated_view_count = views.len();
     let paths = sections.path.iter().map(|(name, path)| source.camera_path(name, &path.key, extra_scale, coordinates));
     let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
@@ -80,17 +80,17 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let impostors = impostors.collect::<Result<Vec<_>>>()?;
 
     let scale = scale * extra_scale;
-    let load = LoadOptions { scale, ..*options };
+    let load_options = LoadOptions { scale, ..*options };
     let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| gltf::is_named(&file.path));
     let mut scene = match obj_files[..] {
         [] => Scene::default(),
         _ => {
             let handedness = sections.handedness.unwrap_or_default();
-            obj::load_plain(&obj_files, &ObjOptions { handedness, load }, Some(DVec3::ZERO))?
+            obj::load_plain(&obj_files, &ObjOptions { handedness, load: load_options }, Some(DVec3::ZERO))?
         }
     };
     for file in &gltf_files {
-        append(&mut scene, gltf::load_plain(&file.path, &load, Some(DVec3::ZERO))?, file.surface);
+        append(&mut scene, gltf::load_plain(&file.path, &load_options, Some(DVec3::ZERO))?, file.surface);
     }
     let bounds = scene.bounds();
     if let Some(far) = far_origin([bounds.min, bounds.max].map(|corner| corner.as_dvec3())) {
@@ -130,9 +130,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     apply_changes(path, &changes, &mut scene);
     let assumed = sections.coordinates.is_none().then_some(coordinates);
-    let warnings = seen::warnings(&scene, views_of_file, assumed);
+    let warnings = seen::warnings(&scene, stated_view_count, assumed);
     scene.warnings.extend(warnings.into_iter().map(|warning| format!("{}: {warning}", path.display())));
-    scene.notes.extend(note);
+    scene.notes.extend(assumption_note);
     Ok(scene)
 }
 
@@ -234,7 +234,7 @@ struct MeshSection {
     surface: SurfaceName,
 }
 
-/// What the surfaces of a file show: their lit colour, or the sky.
+/// The look of the surfaces of a file: their lit colour, or the sky.
 #[derive(Deserialize, Default, Clone, Copy)]
 #[serde(rename_all = "lowercase")]
 enum SurfaceName {
@@ -294,42 +294,42 @@ struct ViewSection {
 }
 
 impl SourceText<'_> {
-    /// Returns a number, which must be finite and above 0; `what` names its key in errors.
-    fn positive(&self, what: &str, value: &Spanned<f32>) -> Result<f32> {
+    /// Returns a number, which must be finite and above 0; `key` is its name in errors.
+    fn positive(&self, key: &str, value: &Spanned<f32>) -> Result<f32> {
         let number = *value.get_ref();
         if number.is_finite() && number > 0.0 {
             return Ok(number);
         }
-        Err(self.error(value.span(), format!("{what} must be a number > 0, not {number}")))
+        Err(self.error(value.span(), format!("{key} must be a number > 0, not {number}")))
     }
 
-    /// Returns an optional number, which must lie in 0 to 1; `what` names its key in errors.
-    fn unit(&self, what: &str, value: &Option<Spanned<f32>>) -> Result<Option<f32>> {
+    /// Returns an optional number, which must lie in 0 to 1; `key` is its name in errors.
+    fn unit(&self, key: &str, value: &Option<Spanned<f32>>) -> Result<Option<f32>> {
         match value {
             Some(number) if !(0.0..=1.0).contains(number.get_ref()) => {
-                Err(self.error(number.span(), format!("{what} must lie in 0 to 1, but is {}", number.get_ref())))
+                Err(self.error(number.span(), format!("{key} must lie in 0 to 1, but is {}", number.get_ref())))
             }
             value => Ok(value.as_ref().map(|number| *number.get_ref())),
         }
     }
 
-    /// Returns a vector, which must have three finite numbers; `what` names its key in errors.
-    pub(super) fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+    /// Returns a vector, which must have three finite numbers; `key` is its name in errors.
+    pub(super) fn vector(&self, key: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
         let vector = Vec3::from(*value.get_ref());
         if vector.is_finite() {
             return Ok(vector);
         }
-        Err(self.error(value.span(), format!("{what} must have three finite numbers, not {vector}")))
+        Err(self.error(value.span(), format!("{key} must have three finite numbers, not {vector}")))
     }
 
-    /// Returns a position in metres, multiplied by `scale`, which must not exceed [`MAX_COORDINATE_M`]; `what` names
-    /// its key in errors.
-    pub(super) fn place(&self, what: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
-        let place = self.vector(what, value)? * scale;
+    /// Returns a position in metres, multiplied by `scale`, which must not exceed [`MAX_COORDINATE_M`]; `key` is
+    /// its name in errors.
+    pub(super) fn place(&self, key: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
+        let place = self.vector(key, value)? * scale;
         if place.abs().max_element() <= MAX_COORDINATE_M {
             return Ok(place);
         }
-        let message = format!("{what} lies more than {MAX_COORDINATE_M:e} m from the origin");
+        let message = format!("{key} lies more than {MAX_COORDINATE_M:e} m from the origin");
         Err(self.error(value.span(), message))
     }
 
@@ -434,7 +434,7 @@ impl SourceText<'_> {
         Ok(View { name, eye, look_at, lens, materials })
     }
 
-    /// Reads and checks the changes of materials. Keys are the names of the materials.
+    /// Reads and checks changes of materials, by the names of the materials.
     fn changes(&self, sections: BTreeMap<String, ChangeSection>) -> Result<BTreeMap<String, MaterialChange>> {
         let change = |(name, section): (String, ChangeSection)| {
             let change = MaterialChange {
@@ -447,7 +447,7 @@ impl SourceText<'_> {
         sections.into_iter().map(change).collect()
     }
 
-    /// Finds the files of the `[[mesh]]` sections. The result has the glTF files, too.
+    /// Finds the OBJ and glTF files that the `[[mesh]]` sections name.
     fn meshes(&self, sections: Vec<MeshSection>) -> Result<Vec<ObjFile>> {
         if sections.is_empty() {
             return Err(Error::malformed(self.path, None, "a scene file needs at least one [[mesh]]"));
@@ -469,7 +469,7 @@ impl SourceText<'_> {
 }
 
 /// Applies the changes of the file's `[material.NAME]` sections to the scene's materials. In the views, `default` is
-/// replaced by the materials that it stands for. Names that no material has add warnings.
+/// replaced by the materials without an entry of their own. Names that no material has add warnings.
 fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
     for material in &mut scene.materials {
         if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT_MATERIAL)) {
@@ -484,8 +484,8 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
     }
     for view in &mut scene.views {
         for (name, _) in view.materials.iter().filter(|(name, _)| is_unknown(name)) {
-            let what = format!("changes material {name}, which no mesh has");
-            scene.warnings.push(format!("{place}: [view.{}] {what}", view.name));
+            let message = format!("changes material {name}, which no mesh has");
+            scene.warnings.push(format!("{place}: [view.{}] {message}", view.name));
         }
         if let Some(index) = view.materials.iter().position(|(name, _)| name == DEFAULT_MATERIAL) {
             let (_, change) = view.materials.remove(index);

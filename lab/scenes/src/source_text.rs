@@ -41,8 +41,7 @@ impl SourceText<'_> {
     /// # Errors
     /// [`Error::Malformed`] with the line. One error names all unknown keys, and the first other fault.
     pub fn deserialized<T: DeserializeOwned>(&self) -> Result<T> {
-        let syntax = |e: toml::de::Error| self.syntax_error(&e);
-        let mut table = DeTable::parse(self.text).map_err(syntax)?;
+        let mut table = DeTable::parse(self.text).map_err(|e| self.syntax_error(&e))?;
         let mut errors: Vec<toml::de::Error> = Vec::new();
         loop {
             let error = match T::deserialize(Deserializer::from(table.clone())) {
@@ -58,19 +57,19 @@ impl SourceText<'_> {
                 break;
             }
         }
-        Err(self.all_errors(&mut errors))
+        Err(self.joined_error(&mut errors))
     }
 
     /// Joins several errors into one, at the line of the first. Errors about unknown keys come first, in the order of
     /// the text.
-    fn all_errors(&self, errors: &mut [toml::de::Error]) -> Error {
+    fn joined_error(&self, errors: &mut [toml::de::Error]) -> Error {
         errors.sort_by_key(|e| (!names_unknown_key(e), e.span().map_or(0, |span| span.start)));
         let [first, others @ ..] = errors else { return Error::malformed(self.path, None, "cannot be read") };
-        let sentence = |e: &toml::de::Error| {
+        let clause_with_line = |e: &toml::de::Error| {
             let line = e.span().map_or(String::new(), |span| format!("line {}: ", self.line(span)));
             format!("; {line}{}", clause(e))
         };
-        self.error_like(first, clause(first) + &others.iter().map(sentence).collect::<String>())
+        self.error_like(first, clause(first) + &others.iter().map(clause_with_line).collect::<String>())
     }
 
     /// Makes an error about the syntax or the types of this TOML text.
@@ -78,7 +77,7 @@ impl SourceText<'_> {
         self.error_like(error, clause(error))
     }
 
-    /// Makes an error with another message in the line of `error`, if that is known.
+    /// Makes an error with the text `message` in the line of `error`, if that line is known.
     fn error_like(&self, error: &toml::de::Error, message: String) -> Error {
         Error::malformed(self.path, error.span().map(|span| self.line(span)), message)
     }
@@ -94,40 +93,40 @@ fn clause(error: &toml::de::Error) -> String {
     error.message().trim().replace('\n', "; ")
 }
 
-/// Removes the key at the byte range `place` of the text from `table`, or from a table within it. Returns false if no
+/// Removes the key at the byte range `span` of the text from `table`, or from a table within it. Returns false if no
 /// key is there.
-fn remove_key(table: &mut DeTable, place: &Range<usize>) -> bool {
-    let found = table.iter().find(|(key, _)| key.span() == *place).map(|(key, _)| key.get_ref().to_string());
+fn remove_key(table: &mut DeTable, span: &Range<usize>) -> bool {
+    let found = table.iter().find(|(key, _)| key.span() == *span).map(|(key, _)| key.get_ref().to_string());
     if let Some(key) = found {
         return table.remove(key.as_str()).is_some();
     }
-    table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), place))
+    table.iter_mut().any(|(_, value)| remove_key_within(value.get_mut(), span))
 }
 
-/// Removes the key at the byte range `place` of the text from the tables within a value. Returns false if no key is
+/// Removes the key at the byte range `span` of the text from the tables within a value. Returns false if no key is
 /// there.
-fn remove_key_within(value: &mut DeValue, place: &Range<usize>) -> bool {
+fn remove_key_within(value: &mut DeValue, span: &Range<usize>) -> bool {
     match value {
-        DeValue::Table(table) => remove_key(table, place),
-        DeValue::Array(items) => items.iter_mut().any(|value| remove_key_within(value.get_mut(), place)),
+        DeValue::Table(table) => remove_key(table, span),
+        DeValue::Array(items) => items.iter_mut().any(|value| remove_key_within(value.get_mut(), span)),
         _ => false,
     }
 }
 
-/// Reads a text of at most `most` bytes, without its byte-order mark. `what` names the expected content in errors, as
-/// in "a scene file".
+/// Reads a text of at most `max_bytes` bytes, without its byte-order mark. `content` names the expected content in
+/// errors, as in "a scene file".
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] for a longer text, and, with the line, for a text
 /// that is not UTF-8.
-pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
-    let bytes = bounded::read(path, what, most)?;
+pub fn read(path: &Path, content: &str, max_bytes: u64) -> Result<String> {
+    let bytes = bounded::read(path, content, max_bytes)?;
     if let Some(name) = encoding::wide_encoding(&bytes) {
         return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
     }
     String::from_utf8(encoding::without_mark(&bytes).to_vec()).map_err(|e| {
         let line = line_of(e.as_bytes(), e.utf8_error().valid_up_to());
-        Error::malformed(path, Some(line), format!("{what} must be UTF-8 text"))
+        Error::malformed(path, Some(line), format!("{content} must be UTF-8 text"))
     })
 }
 
@@ -137,8 +136,8 @@ pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] for a longer text, and for a text in UTF-16 or
 /// UTF-32.
-pub fn read_program(path: &Path, what: &str, most: u64) -> Result<String> {
-    let bytes = bounded::read(path, what, most)?;
+pub fn read_program(path: &Path, content: &str, max_bytes: u64) -> Result<String> {
+    let bytes = bounded::read(path, content, max_bytes)?;
     decode(path, &bytes).map(Cow::into_owned)
 }
 

@@ -49,8 +49,8 @@ pub const LINES_Z: [f32; 4] = [-5.75, -2.05, 2.8, 6.45];
 /// The building's outer extent, in metres: least and greatest x, then least and greatest z.
 const OUTSIDE: ([f32; 2], [f32; 2]) = ([-18.7, 17.5], [-10.4, 11.4]);
 
-/// Height above the floor, in metres, at which the arches of each storey begin.
-const SPRING: [f32; 2] = [2.3, 6.95];
+/// Height above the floor, in metres, at which the curves of the arches of each storey begin (their spring).
+const SPRING_M: [f32; 2] = [2.3, 6.95];
 /// Height of the upper floor above the floor, in metres.
 const UPPER_FLOOR: f32 = 4.16;
 /// Height of the top of the parapets above the floor, in metres.
@@ -69,7 +69,7 @@ pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [floors(), outer_walls(), galleries(), arcades(), columns(), upper_walls(), roof()];
     let mut meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
-    meshes.extend(furnishing::all().into_iter().map(MeshBuilder::build));
+    meshes.extend(furnishing::build().into_iter().map(MeshBuilder::build));
     let reflecting =
         |name: &str| (name.to_owned(), MaterialChange { reflectivity: Some(1.0), ..MaterialChange::default() });
     let mut hall = view("hall", [-11.5, 1.6, -4.2], [4.0, 1.4, -4.4]);
@@ -105,10 +105,10 @@ pub fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
 fn gallery_bays() -> impl Iterator<Item = [Vec2; 2]> {
     let columns = LINES_X.windows(2).enumerate();
     columns.flat_map(|(column, x)| {
-        let (low, high) = (x[0], x[1]);
+        let (low_x, high_x) = (x[0], x[1]);
         LINES_Z.windows(2).enumerate().filter_map(move |(row, z)| {
             let is_court = (1..LINES_X.len() - 2).contains(&column) && row == 1;
-            (!is_court).then_some([Vec2::new(low, z[0]), Vec2::new(high, z[1])])
+            (!is_court).then_some([Vec2::new(low_x, z[0]), Vec2::new(high_x, z[1])])
         })
     })
 }
@@ -162,22 +162,22 @@ fn outer_walls() -> Vec<MeshBuilder> {
 /// Builds the vaults of both storeys, with ribs between the bays.
 fn galleries() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
-    for (storey, spring) in SPRING.into_iter().enumerate() {
+    for (storey, spring_m) in SPRING_M.into_iter().enumerate() {
         for bay in gallery_bays() {
             let mut vault = mesh(format!("vault-{storey}"), CEILING);
-            masonry::groin_vault(&mut vault, bay, spring + 0.1, 1.45, [20, 1]);
+            masonry::groin_vault(&mut vault, bay, spring_m + 0.1, 1.45, [20, 1]);
             parts.push(vault);
         }
         let mut ribs = mesh(format!("ribs-{storey}"), ARCH);
         // Ribs cross the galleries beside the long sides of the court along z, and those beside its short sides along
         // x.
         for (x, z) in LINES_X[1..7].iter().flat_map(|&x| [0, 2].map(|row| (x, [LINES_Z[row], LINES_Z[row + 1]]))) {
-            rib(&mut ribs, Vec3::new(x, 0.0, 0.0), Vec3::Z, z, spring);
+            rib(&mut ribs, Vec3::new(x, 0.0, 0.0), Vec3::Z, z, spring_m);
         }
         for (z, x) in
             LINES_Z[1..3].iter().flat_map(|&z| [0, 6].map(|column| (z, [LINES_X[column], LINES_X[column + 1]])))
         {
-            rib(&mut ribs, Vec3::new(0.0, 0.0, z), Vec3::X, x, spring);
+            rib(&mut ribs, Vec3::new(0.0, 0.0, z), Vec3::X, x, spring_m);
         }
         parts.push(ribs);
     }
@@ -185,20 +185,20 @@ fn galleries() -> Vec<MeshBuilder> {
 }
 
 /// Adds an arch that carries a vault, on corbels. It stands on the line through `origin` in the direction `along`, from
-/// `from` to `to` metres along it, and begins at the height `spring`.
-fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], spring: f32) {
+/// `from` to `to` metres along it, and begins at the height `spring_m`.
+fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], spring_m: f32) {
     let wall = Wall { origin, along, thickness_m: 0.4 };
     let half_width = 0.5 * (to - from) - 0.3;
-    let arch = Arch { centre_m: 0.5 * (from + to), half_width_m: half_width, spring_m: spring, rise_m: 1.25 };
-    masonry::arched_wall(mesh, &wall, [from, to], [spring, spring + 1.5], &[arch]);
-    masonry::soffit(mesh, &wall, &arch, spring);
+    let arch = Arch { centre_m: 0.5 * (from + to), half_width_m: half_width, spring_m, rise_m: 1.25 };
+    masonry::arched_wall(mesh, &wall, [from, to], [spring_m, spring_m + 1.5], &[arch]);
+    masonry::soffit(mesh, &wall, &arch, spring_m);
     let across = along.cross(Vec3::Y).abs();
     for end in [from, to] {
         // The blocks of a corbel: half size, and least and greatest height above the beginning of the arch, in metres.
         for (half, low, high) in [(0.36, -0.16, 0.02), (0.28, -0.28, -0.16), (0.20, -0.38, -0.28)] {
             let centre = origin + end * along;
             let reach = half * along + (half - 0.1) * across;
-            mesh.cuboid(centre - reach + (spring + low) * Vec3::Y, centre + reach + (spring + high) * Vec3::Y);
+            mesh.cuboid(centre - reach + (spring_m + low) * Vec3::Y, centre + reach + (spring_m + high) * Vec3::Y);
         }
     }
 }
@@ -228,8 +228,8 @@ fn arcades() -> Vec<MeshBuilder> {
             let ends = [bay[0], bay[1]];
             let arches = [lower_arches(ends), upper_arches(ends)];
             let tops = [UPPER_FLOOR, 8.2];
-            for ((arches, spring), top) in arches.iter().zip(SPRING).zip(tops) {
-                masonry::arched_wall(&mut bricks, &wall, ends, [spring, top], arches);
+            for ((arches, spring_m), top) in arches.iter().zip(SPRING_M).zip(tops) {
+                masonry::arched_wall(&mut bricks, &wall, ends, [spring_m, top], arches);
                 for arch in arches {
                     masonry::archivolt(&mut stone, &wall, arch, 0.18, 0.03);
                 }
@@ -238,7 +238,7 @@ fn arcades() -> Vec<MeshBuilder> {
             course(&mut stone, &wall, ends, [UPPER_FLOOR - 0.1, UPPER_FLOOR + 0.1], 0.08);
             course(&mut stone, &wall, ends, [PARAPET - 0.14, PARAPET], 0.1);
             course(&mut stone, &wall, ends, [8.2, 8.4], 0.08);
-            course(&mut stone, &wall, ends, [SPRING[1] - 0.01, SPRING[1] + 0.01], -0.02);
+            course(&mut stone, &wall, ends, [SPRING_M[1] - 0.01, SPRING_M[1] + 0.01], -0.02);
             parts.extend([bricks, stone]);
         }
     }
@@ -256,9 +256,9 @@ fn course(mesh: &mut MeshBuilder, wall: &Wall, [from, to]: [f32; 2], [low, high]
 /// Returns the arch of the lower storey between two posts at `from` and `to` metres along the wall.
 fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
-    let half_width = half - if half > 2.0 { HALF_PIER_M } else { 0.42 };
-    let rise = half_width.min(1.45);
-    vec![Arch { centre_m: from + half, half_width_m: half_width, spring_m: SPRING[0], rise_m: rise }]
+    let half_width_m = half - if half > 2.0 { HALF_PIER_M } else { 0.42 };
+    let rise_m = half_width_m.min(1.45);
+    vec![Arch { centre_m: from + half, half_width_m, spring_m: SPRING_M[0], rise_m }]
 }
 
 /// Returns the two arches of the upper storey between two posts at `from` and `to` metres along the wall. The arches
@@ -267,7 +267,7 @@ fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
     let half_width = 0.5 * (half - 0.3 - 0.15);
     let arch =
-        |centre_m: f32| Arch { centre_m, half_width_m: half_width, spring_m: SPRING[1], rise_m: half_width.min(0.9) };
+        |centre_m: f32| Arch { centre_m, half_width_m: half_width, spring_m: SPRING_M[1], rise_m: half_width.min(0.9) };
     vec![arch(from + 0.3 + half_width), arch(to - 0.3 - half_width)]
 }
 
@@ -279,17 +279,17 @@ fn columns() -> Vec<MeshBuilder> {
         masonry::column(&mut stone, foot, &size);
         stone
     };
-    let upper_m = SPRING[1] - PARAPET;
+    let upper_height_m = SPRING_M[1] - PARAPET;
     for side in sides() {
         let point = |distance: f32, y: f32| side.origin + distance * side.along + y * Vec3::Y;
         for &post in &side.posts[1..side.posts.len() - 1] {
-            let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
+            let lower = ColumnSize { radius_m: 0.27, height_m: SPRING_M[0], half_plinth_m: 0.43, sides: 28 };
             parts.push(build_column("column", point(post, 0.0), lower));
-            let upper = ColumnSize { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
+            let upper = ColumnSize { radius_m: 0.23, height_m: upper_height_m, half_plinth_m: 0.33, sides: 20 };
             parts.push(build_column("upper-column", point(post, PARAPET), upper));
         }
         for bay in side.posts.windows(2) {
-            let slender = ColumnSize { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
+            let slender = ColumnSize { radius_m: 0.11, height_m: upper_height_m, half_plinth_m: 0.19, sides: 12 };
             parts.push(build_column("slender-column", point(0.5 * (bay[0] + bay[1]), PARAPET), slender));
         }
     }
@@ -302,8 +302,8 @@ fn columns() -> Vec<MeshBuilder> {
             (0.56, 0.3, 0.42),
             (HALF_PIER_M, 0.42, 2.02),
             (0.56, 2.02, 2.12),
-            (0.62, 2.12, SPRING[0] + OVERLAP),
-            (0.42, SPRING[0], 8.45),
+            (0.62, 2.12, SPRING_M[0] + OVERLAP),
+            (0.42, SPRING_M[0], 8.45),
         ] {
             pier.cuboid(foot + Vec3::new(-half, low, -half), foot + Vec3::new(half, high, half));
         }
@@ -319,9 +319,9 @@ fn upper_walls() -> Vec<MeshBuilder> {
         let (first, last) = (side.posts[0], side.posts[side.posts.len() - 1]);
         let right = Vec3::Y.cross(outward);
         // The side's own direction is `right` or its opposite, so that distances along it may change their sign.
-        let flip = right.dot(side.along);
+        let sign = right.dot(side.along);
         let face = side.origin - 0.5 * ARCADE_M * outward;
-        let range = |from: f32, to: f32| ordered(from * flip, to * flip);
+        let range = |from: f32, to: f32| ordered(from * sign, to * sign);
         let holes: Vec<Rect> = side
             .posts
             .windows(2)
@@ -362,7 +362,8 @@ fn window(mesh: &mut MeshBuilder, face: Vec3, right: Vec3, outward: Vec3, hole: 
 
 /// Builds the roof: a ring of tiles that slopes to the court and to the outside, with its eaves.
 fn roof() -> Vec<MeshBuilder> {
-    // A rectangle (least and greatest corner) around the court, for `out` from 0 at the court to 1 at the outer edge.
+    // Returns the least and the greatest corner (x, z) of a rectangle around the court, for `out` from 0 at the court
+    // to 1 at the outer edge of the roof.
     let ring = |out: f32| {
         let (x, z) = OUTSIDE;
         let court = [Vec2::new(LINES_X[1], LINES_Z[1]) + 0.3, Vec2::new(LINES_X[6], LINES_Z[2]) - 0.3];
@@ -371,7 +372,7 @@ fn roof() -> Vec<MeshBuilder> {
     };
     let mut tiles = mesh("roof", ROOF);
     let mut eaves = mesh("eaves", POLE);
-    // A sloping ring between two rectangles, each with its height.
+    // Adds a sloping ring between two rectangles, each given by its `out` and its height.
     let slope = |mesh: &mut MeshBuilder, inner: f32, inner_y: f32, outer: f32, outer_y: f32, facing: Vec3| {
         let (inner, outer) = (corners_at_height(ring(inner), inner_y), corners_at_height(ring(outer), outer_y));
         for k in 0..4 {
@@ -386,6 +387,7 @@ fn roof() -> Vec<MeshBuilder> {
     let (low, high) = (corners_at_height(ring(-0.08), 13.1), corners_at_height(ring(-0.08), 13.3));
     for k in 0..4 {
         let next = (k + 1) % 4;
+        // The edge of the eaves faces the middle of the court.
         let facing = Vec3::new(-0.6, 13.2, 0.375) - 0.5 * (low[k] + low[next]);
         eaves.polygon(&[low[k], low[next], high[next], high[k]], facing);
     }

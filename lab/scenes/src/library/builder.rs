@@ -63,6 +63,7 @@ impl MeshBuilder {
     /// Texture coordinates are computed from positions in the world, so that images continue across neighbours in one
     /// plane. On walls the image's up direction is +y, on floors and ceilings +z. A polygon without area is left out.
     pub fn polygon(&mut self, corners: &[Vec3], facing: Vec3) {
+        // The vector area of the polygon, doubled: its direction is that of the normal.
         let area: Vec3 = (2..corners.len()).map(|k| (corners[k - 1] - corners[0]).cross(corners[k] - corners[0])).sum();
         if area.length_squared() < 1e-14 {
             return;
@@ -72,8 +73,8 @@ impl MeshBuilder {
         let axes = plane_axes(normal);
         let first = self.vertices.len() as u32;
         for &corner in corners {
-            let metres = Vec2::new(corner.dot(axes.right), corner.dot(axes.up));
-            self.push(corner, metres, axes);
+            let uv_m = Vec2::new(corner.dot(axes.right), corner.dot(axes.up));
+            self.push(corner, uv_m, axes);
         }
         for k in 2..corners.len() as u32 {
             let (b, c) = if is_front { (k - 1, k) } else { (k, k - 1) };
@@ -84,8 +85,8 @@ impl MeshBuilder {
     /// Adds a band of flat quadrilaterals between two polylines with equally many points. The normals point to the side
     /// of `facing`.
     pub fn band(&mut self, lower: &[Vec3], upper: &[Vec3], facing: Vec3) {
-        for (lower, upper) in lower.windows(2).zip(upper.windows(2)) {
-            self.polygon(&[lower[0], lower[1], upper[1], upper[0]], facing);
+        for (lower_edge, upper_edge) in lower.windows(2).zip(upper.windows(2)) {
+            self.polygon(&[lower_edge[0], lower_edge[1], upper_edge[1], upper_edge[0]], facing);
         }
     }
 
@@ -115,11 +116,11 @@ impl MeshBuilder {
     pub fn panel(&mut self, [origin, right, up]: [Vec3; 3], extent: Rect, holes: &[Rect]) {
         // The coordinates of cuts along one axis, in order: both ends, and the edges of holes between them.
         let cuts = |low: f32, high: f32, edges: &dyn Fn(&Rect) -> [f32; 2]| {
-            let mut all = vec![low, high];
-            all.extend(holes.iter().flat_map(edges).filter(|edge| (low..high).contains(edge)));
-            all.sort_by(f32::total_cmp);
-            all.dedup();
-            all
+            let mut coordinates = vec![low, high];
+            coordinates.extend(holes.iter().flat_map(edges).filter(|edge| (low..high).contains(edge)));
+            coordinates.sort_by(f32::total_cmp);
+            coordinates.dedup();
+            coordinates
         };
         let columns = cuts(extent.min.x, extent.max.x, &|rect| [rect.min.x, rect.max.x]);
         let rows = cuts(extent.min.y, extent.max.y, &|rect| [rect.min.y, rect.max.y]);
@@ -142,8 +143,9 @@ impl MeshBuilder {
         let axes = Axes { normal: up.cross(right), right, up };
         let first = self.vertices.len() as u32;
         for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            let image = 0.5 * Vec2::new(1.0 + x, y - 1.0);
-            self.push(centre + x * half_right + y * half_up, image * self.image_m, axes);
+            // The u of the corner, and its negated v, since v grows downwards.
+            let uv = 0.5 * Vec2::new(1.0 + x, y - 1.0);
+            self.push(centre + x * half_right + y * half_up, uv * self.image_m, axes);
         }
         self.triangle(first, first + 2, first + 1);
         self.triangle(first, first + 3, first + 2);
@@ -161,8 +163,8 @@ impl MeshBuilder {
             let along = (path(t + STEP).0 - path(t - STEP).0).normalize_or(Vec3::Y);
             let side = (across - along * along.dot(across)).normalize_or(along.any_orthonormal_vector());
             let (sin, cos) = (TAU * s).sin_cos();
-            let out = cos * side + sin * side.cross(along);
-            (centre + radius * out, Vec2::new(s * TAU * greatest_radius, t * length))
+            let outward = cos * side + sin * side.cross(along);
+            (centre + radius * outward, Vec2::new(s * TAU * greatest_radius, t * length))
         });
     }
 
@@ -188,8 +190,8 @@ impl MeshBuilder {
         for j in 0..=rows {
             for i in 0..=columns {
                 let (s, t) = (i as f32 / columns as f32, j as f32 / rows as f32);
-                let (position, metres) = shape(s, t);
-                self.push(origin + position, metres, surface_axes(&shape, s, t));
+                let (position, uv_m) = shape(s, t);
+                self.push(origin + position, uv_m, surface_axes(&shape, s, t));
             }
         }
         for j in 0..rows {
@@ -208,13 +210,13 @@ impl MeshBuilder {
     pub fn revolve(&mut self, base: Vec3, steps: [u32; 2], profile: impl Fn(f32) -> Vec2) {
         let points: Vec<Vec2> = (0..=32).map(|k| profile(k as f32 / 32.0)).collect();
         let length: f32 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-        let radius = points.iter().fold(0.0_f32, |greatest, point| greatest.max(point.x));
+        let greatest_radius = points.iter().fold(0.0_f32, |greatest, point| greatest.max(point.x));
         // A whole number of images goes around, so that they meet without a seam.
-        let around = (TAU * radius / self.image_m).round().max(1.0) * self.image_m;
+        let around_m = (TAU * greatest_radius / self.image_m).round().max(1.0) * self.image_m;
         self.surface(base, steps, |s, t| {
             let Vec2 { x: radius, y: height } = profile(t);
             let (sin, cos) = (TAU * s).sin_cos();
-            (Vec3::new(radius * cos, height, radius * sin), Vec2::new(s * around, t * length))
+            (Vec3::new(radius * cos, height, radius * sin), Vec2::new(s * around_m, t * length))
         });
     }
 
@@ -233,19 +235,16 @@ impl MeshBuilder {
         });
     }
 
-    /// Adds a vertex. `metres` are the texture coordinates of the vertex, to the right and up, in metres of the
-    /// surface.
-    fn push(&mut self, position: Vec3, metres: Vec2, axes: Axes) {
-        let (metres, right, up) = if self.turned {
-            (Vec2::new(metres.y, -metres.x), axes.up, -axes.right)
-        } else {
-            (metres, axes.right, axes.up)
-        };
+    /// Adds a vertex. `uv_m` are the texture coordinates of the vertex, to the right and up, in metres of the
+    /// surface. `axes` are the normal and the image's directions at the vertex.
+    fn push(&mut self, position: Vec3, uv_m: Vec2, axes: Axes) {
+        let (uv_m, right, up) =
+            if self.turned { (Vec2::new(uv_m.y, -uv_m.x), axes.up, -axes.right) } else { (uv_m, axes.right, axes.up) };
         let bitangent_sign = if axes.normal.cross(right).dot(up) < 0.0 { -1.0 } else { 1.0 };
         self.vertices.push(Vertex {
             position: position.to_array(),
             normal: axes.normal.to_array(),
-            uv: [metres.x / self.image_m, -metres.y / self.image_m],
+            uv: [uv_m.x / self.image_m, -uv_m.y / self.image_m],
             tangent: right.extend(bitangent_sign).to_array(),
         });
     }
@@ -285,16 +284,17 @@ pub fn ordered(a: f32, b: f32) -> [f32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Returns the axes of a plane; up points towards +y, or towards +z if the plane is horizontal.
+/// Returns the axes of a plane with this unit normal; up points towards +y, or towards +z if the plane is horizontal.
 fn plane_axes(normal: Vec3) -> Axes {
     let above = if normal.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
     let right = normal.cross(above).normalize();
     Axes { normal, right, up: right.cross(normal) }
 }
 
-/// Computes the axes of a surface at a point, from central differences of its position and texture coordinates.
+/// Computes the normal of a surface at (s, t), and the directions on it that are right and up in its image, from
+/// central differences. `shape` gives the position and the texture coordinates at (s, t).
 fn surface_axes(shape: &impl Fn(f32, f32) -> (Vec3, Vec2), s: f32, t: f32) -> Axes {
-    // The differences of the position and of the texture coordinates over a step.
+    // The differences of the position and of the texture coordinates from (s − ds, t − dt) to (s + ds, t + dt).
     let difference = |s: f32, t: f32, ds: f32, dt: f32| {
         let ((ahead, ahead_uv), (behind, behind_uv)) = (shape(s + ds, t + dt), shape(s - ds, t - dt));
         (ahead - behind, ahead_uv - behind_uv)
@@ -309,9 +309,9 @@ fn surface_axes(shape: &impl Fn(f32, f32) -> (Vec3, Vec2), s: f32, t: f32) -> Ax
     }
     let normal = by_t.cross(by_s).normalize_or(Vec3::Y);
     // `right` and `image_up` are the directions on the surface in which the texture coordinates grow.
-    let scale = uv_by_s.perp_dot(uv_by_t).signum();
-    let right = (by_s * uv_by_t.y - by_t * uv_by_s.y) * scale;
-    let image_up = (by_t * uv_by_s.x - by_s * uv_by_t.x) * scale;
+    let orientation = uv_by_s.perp_dot(uv_by_t).signum();
+    let right = (by_s * uv_by_t.y - by_t * uv_by_s.y) * orientation;
+    let image_up = (by_t * uv_by_s.x - by_s * uv_by_t.x) * orientation;
     let right = (right - normal * normal.dot(right)).normalize_or(normal.any_orthonormal_vector());
     let up = normal.cross(right);
     Axes { normal, right, up: if up.dot(image_up) < 0.0 { -up } else { up } }

@@ -8,7 +8,9 @@ use ssct_ground::math::noise::smoothstep;
 pub struct Materials {
     pub paint: usize,
     pub glass: usize,
+    /// Tyres, wheel arches and radiator grille.
     pub dark: usize,
+    /// Hubcaps, bumpers, headlamps and door handles.
     pub chrome: usize,
     pub tail_lamp: usize,
 }
@@ -25,11 +27,13 @@ const AXLES: [f32; 2] = [-1.32, 1.36];
 
 /// Builds a car whose front points to +z; `ground` is the point on the ground below its middle.
 pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
+    // Makes the empty mesh of a part, given by its index in `MESH_NAMES`.
     let mesh = |part: usize, material: usize| MeshBuilder::new(MESH_NAMES[part], material, 1.0);
     let mut body = mesh(0, materials.paint);
     hull(&mut body, ground, [40, 26], lower_body);
     hull(&mut body, ground, [28, 8], roof);
     pillars(&mut body, ground);
+    // The door mirrors.
     for side in [-1.0, 1.0] {
         body.sphere(ground + Vec3::new(0.96 * side, 0.98, 0.62), 0.085, [12, 8]);
     }
@@ -40,6 +44,7 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     for z in AXLES {
         for side in [-1.0, 1.0] {
             let hub = ground + Vec3::new(0.80 * side, WHEEL_RADIUS, z);
+            // The wheel arch, the tyre and the hubcap.
             wheel(&mut dark, hub, WHEEL_RADIUS + 0.07, 0.165, 0.01);
             wheel(&mut dark, hub, WHEEL_RADIUS, 0.20, 0.05);
             wheel(&mut chrome, hub, 0.6 * WHEEL_RADIUS, 0.215, 0.02);
@@ -52,6 +57,7 @@ pub fn parked_car(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
             mesh.cuboid(ground + Vec3::new(left, y[0], z[0]), ground + Vec3::new(right, y[1], z[1]));
         }
     };
+    // Headlamps, front bumper, rear bumper, and the radiator grille.
     boxes_on_both_sides(&mut chrome, [2.05, 2.16], [0.42, 0.70], [0.62, 0.76]);
     boxes_on_both_sides(&mut chrome, [2.10, 2.20], [0.0, 0.74], [0.38, 0.46]);
     boxes_on_both_sides(&mut chrome, [-2.21, -2.10], [0.0, 0.74], [0.42, 0.50]);
@@ -82,38 +88,46 @@ fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(
         let profile = section(t);
         let (sin, cos) = (std::f32::consts::TAU * s).sin_cos();
         // The cross-section is a superellipse of exponent 4: nearly a box, with rounded edges.
-        let root = |number: f32| number.abs().sqrt().copysign(number);
-        let up = -root(sin);
+        let signed_root = |number: f32| number.abs().sqrt().copysign(number);
+        // The height in the cross-section, from −1 at its lower edge to 1 at its upper edge.
+        let up = -signed_root(sin);
         let half_height = 0.5 * (profile.heights[1] - profile.heights[0]);
-        let narrow = 1.0 - profile.tumblehome * (0.5 + 0.5 * up);
-        Vec3::new(profile.half_width * narrow * root(cos), profile.heights[0] + half_height * (1.0 + up), profile.z)
+        let share_of_width = 1.0 - profile.tumblehome * (0.5 + 0.5 * up);
+        Vec3::new(
+            profile.half_width * share_of_width * signed_root(cos),
+            profile.heights[0] + half_height * (1.0 + up),
+            profile.z,
+        )
     };
     mesh.surface(ground, steps, |s, t| (outline(s, t), Vec2::new(4.0 * s, 4.4 * t)));
+    // The flat ends close the surface at the rear and at the front.
     for (end, facing) in [(0.0, Vec3::NEG_Z), (1.0, Vec3::Z)] {
         let rim: Vec<Vec3> = (0..steps[0]).map(|k| ground + outline(k as f32 / steps[0] as f32, end)).collect();
         mesh.polygon(&rim, facing);
     }
 }
 
-/// Returns 1 for t in the middle of 0…1; at both ends, over the width `width`, the result falls to 0 along a quarter
-/// circle.
+/// Returns 1 for t in the middle of 0…1. Within `width` of both ends, the result falls to 0 along a quarter circle.
 fn rounded(t: f32, width: f32) -> f32 {
-    let near = (t.min(1.0 - t) / width).clamp(0.0, 1.0);
-    (1.0 - (1.0 - near).powi(2)).max(0.0).sqrt()
+    let from_end = (t.min(1.0 - t) / width).clamp(0.0, 1.0);
+    (1.0 - (1.0 - from_end).powi(2)).max(0.0).sqrt()
 }
 
 /// Returns the cross-section of the body below the windows, for t from 0 (the rear) to 1 (the front).
 fn lower_body(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
-    let end = rounded(t, 0.10);
+    let end_rounding = rounded(t, 0.10);
     let z = HALF_LENGTH * (2.0 * t - 1.0);
     // The bonnet falls towards the front; the boot stays high.
-    let top = 0.93 - 0.16 * smoothstep(0.45, 1.0, t);
-    let middle = 0.58;
+    let top_y = 0.93 - 0.16 * smoothstep(0.45, 1.0, t);
+    let middle_y = 0.58;
     Section {
         z,
-        half_width: 0.62 + 0.27 * end,
-        heights: [middle - (middle - 0.22) * (0.25 + 0.75 * end), middle + (top - middle) * (0.35 + 0.65 * end)],
+        half_width: 0.62 + 0.27 * end_rounding,
+        heights: [
+            middle_y - (middle_y - 0.22) * (0.25 + 0.75 * end_rounding),
+            middle_y + (top_y - middle_y) * (0.35 + 0.65 * end_rounding),
+        ],
         tumblehome: 0.06,
     }
 }
@@ -142,24 +156,24 @@ fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
             ((0.815, 0.86, -0.22), (0.635, 1.39, -0.32)),
             ((0.77, 0.88, -1.50), (0.60, 1.39, -0.92)),
         ] {
-            let place = |(x, y, z): (f32, f32, f32)| ground + Vec3::new(x * side, y, z);
-            let (foot, head) = (place(foot), place(head));
+            let point = |(x, y, z): (f32, f32, f32)| ground + Vec3::new(x * side, y, z);
+            let (foot, head) = (point(foot), point(head));
             mesh.tube([8, 4], Vec3::X, |t| (foot.lerp(head, t), 0.035));
         }
     }
 }
 
-/// Adds a disc with bulging sides around `hub`, whose axle is parallel to x. `width` is its greatest width along the
-/// axle, in metres. The middle of each side stands out by 0.375 · `shoulder` over the edge of the tread.
+/// Adds a disc with bulging sides around `hub`, whose axle is parallel to x. `width` is the greatest width of the disc
+/// along the axle, in metres. The middle of each side stands out by 0.375 · `shoulder` over the edge of the tread.
 fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
-    let half = 0.5 * width;
+    let half_width = 0.5 * width;
     mesh.tube([24, 8], Vec3::Y, |t| {
-        let turn = (t.clamp(0.0, 1.0) - 0.5) * std::f32::consts::PI;
+        let angle = (t.clamp(0.0, 1.0) - 0.5) * std::f32::consts::PI;
         // The profile goes from the middle of one side out to its edge, across the tread, and along the other side back
         // to its middle. The edges are where |sin| is 1 / 1.6; there, the disc is 1 % smaller than mid-tread.
-        let (sin, cos) = turn.sin_cos();
-        let out = (1.6 * sin).clamp(-1.0, 1.0) * (half - shoulder) + shoulder * sin;
-        let size = radius * (1.0 - (1.0 - cos).powi(3)).clamp(0.0, 1.0).min(cos * 1.5);
-        (hub + out * Vec3::X, size)
+        let (sin, cos) = angle.sin_cos();
+        let along_axle = (1.6 * sin).clamp(-1.0, 1.0) * (half_width - shoulder) + shoulder * sin;
+        let ring_radius = radius * (1.0 - (1.0 - cos).powi(3)).clamp(0.0, 1.0).min(cos * 1.5);
+        (hub + along_axle * Vec3::X, ring_radius)
     });
 }

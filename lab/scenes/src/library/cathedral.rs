@@ -138,14 +138,14 @@ fn east_wall() -> Face {
 /// Builds the floor of nave and aisles, the floor of the choir, and the steps between them.
 fn floors() -> Vec<MeshBuilder> {
     let mut floor = mesh("floor", FLOOR);
-    let span = |half: f32| [-half - OVERLAP, half + OVERLAP];
-    floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(span(OUTER_X), [-OVERLAP, NAVE_END]), &[]);
+    let widened = |half_width: f32| [-half_width - OVERLAP, half_width + OVERLAP];
+    floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(widened(OUTER_X), [-OVERLAP, NAVE_END]), &[]);
     let mut choir = mesh("choir-floor", CHOIR).turned();
-    let ground = Rect::new(span(ARCADE_X), [NAVE_END - 0.4, CHOIR_END + OVERLAP]);
-    choir.panel([CHOIR_STEP * Vec3::Y, Vec3::X, Vec3::Z], ground, &[]);
+    let choir_rect = Rect::new(widened(ARCADE_X), [NAVE_END - 0.4, CHOIR_END + OVERLAP]);
+    choir.panel([CHOIR_STEP * Vec3::Y, Vec3::X, Vec3::Z], choir_rect, &[]);
     let mut steps = mesh("choir-steps", PILLAR);
-    for (from, height) in [(NAVE_END - 0.4, CHOIR_STEP - 0.005), (NAVE_END - 0.75, 0.5 * CHOIR_STEP)] {
-        steps.cuboid(Vec3::new(-ARCADE_X, -OVERLAP, from), Vec3::new(ARCADE_X, height, NAVE_END));
+    for (front_z, height) in [(NAVE_END - 0.4, CHOIR_STEP - 0.005), (NAVE_END - 0.75, 0.5 * CHOIR_STEP)] {
+        steps.cuboid(Vec3::new(-ARCADE_X, -OVERLAP, front_z), Vec3::new(ARCADE_X, height, NAVE_END));
     }
     vec![floor, choir, steps]
 }
@@ -155,12 +155,12 @@ fn arcades() -> Vec<MeshBuilder> {
     let mut wall = mesh("nave-walls", WALL);
     let mut stone = mesh("pillars", PILLAR);
     for x in [-ARCADE_X, ARCADE_X] {
-        let line = Wall { origin: x * Vec3::X, along: Vec3::Z, thickness_m: ARCADE_M };
+        let arcade_wall = Wall { origin: x * Vec3::X, along: Vec3::Z, thickness_m: ARCADE_M };
         for bay in 0..BAYS {
             let z = bay as f32 * BAY_M;
             let arch = Arch { centre_m: z + 0.5 * BAY_M, half_width_m: 1.95, spring_m: ARCADE_SPRING, rise_m: 2.2 };
-            masonry::arched_wall(&mut wall, &line, [z, z + BAY_M], [ARCADE_SPRING, TOP], &[arch]);
-            masonry::archivolt(&mut stone, &line, &arch, 0.2, 0.06);
+            masonry::arched_wall(&mut wall, &arcade_wall, [z, z + BAY_M], [ARCADE_SPRING, TOP], &[arch]);
+            masonry::archivolt(&mut stone, &arcade_wall, &arch, 0.2, 0.06);
         }
         for pillar in 0..=BAYS {
             let foot = Vec3::new(x, 0.0, pillar as f32 * BAY_M);
@@ -199,6 +199,7 @@ fn outer_walls() -> Vec<MeshBuilder> {
         }
         let choir = Face::new([side * NAVE_X, 0.0, 0.0], -side * Vec3::Z);
         choir.wall(&mut wall, Rect::new(range(NAVE_END, CHOIR_END), [0.0, TOP]), &[]);
+        // Adds the wall that closes the aisle at this z; `right` is its right, as seen from the aisle.
         let mut aisle_end = |z: f32, right: Vec3| {
             let span = ordered(side * NAVE_X * right.x, side * (OUTER_X + OVERLAP) * right.x);
             Face::new([0.0, 0.0, z], right).wall(&mut wall, Rect::new(span, [0.0, 6.8]), &[]);
@@ -219,9 +220,9 @@ fn end_walls() -> Vec<MeshBuilder> {
     let mut stone = mesh("portal", PILLAR);
     west.border(&mut stone, standing_rect(0.0, 2.4, 3.4), 0.3, [-0.1, 0.15]);
     let mut door = mesh("door", PEW).turned();
-    for half in [-0.6, 0.6] {
-        west.block(&mut door, standing_rect(half, 1.18, 3.4), [-0.1, 0.06]);
-        west.border(&mut door, centred_rect(half, 1.7, 0.7, 2.6), 0.06, [0.0, 0.09]);
+    for leaf_x in [-0.6, 0.6] {
+        west.block(&mut door, standing_rect(leaf_x, 1.18, 3.4), [-0.1, 0.06]);
+        west.border(&mut door, centred_rect(leaf_x, 1.7, 0.7, 2.6), 0.06, [0.0, 0.09]);
     }
     vec![wall, stone, door]
 }
@@ -230,31 +231,33 @@ fn end_walls() -> Vec<MeshBuilder> {
 fn vaults() -> Vec<MeshBuilder> {
     let mut vault = mesh("vaults", VAULT);
     let mut ribs = mesh("ribs", PILLAR);
+    // Adds the vault over these ranges of x and z, which begins at the height `spring` and is `rise` high.
     let mut add_bay = |x: [f32; 2], z: [f32; 2], spring: f32, rise: f32| {
         masonry::groin_vault(&mut vault, [Vec2::new(x[0], z[0]), Vec2::new(x[1], z[1])], spring, rise, [20, 2]);
     };
-    for number in 0..BAYS {
-        let z = [number as f32 * BAY_M, (number + 1) as f32 * BAY_M];
+    for bay in 0..BAYS {
+        let z = [bay as f32 * BAY_M, (bay + 1) as f32 * BAY_M];
         add_bay([-ARCADE_X, ARCADE_X], z, NAVE_SPRING, NAVE_RISE);
         add_bay([-OUTER_X, -ARCADE_X], z, AISLE_SPRING, 1.9);
         add_bay([ARCADE_X, OUTER_X], z, AISLE_SPRING, 1.9);
     }
     add_bay([-ARCADE_X, ARCADE_X], [NAVE_END, CHOIR_END], NAVE_SPRING, NAVE_RISE);
+    // Adds a rib across this range of x, at this z.
     let mut add_rib = |x: [f32; 2], z: f32, spring: f32, rise: f32| {
-        let line = Wall { origin: z * Vec3::Z, along: Vec3::X, thickness_m: 0.34 };
+        let rib_wall = Wall { origin: z * Vec3::Z, along: Vec3::X, thickness_m: 0.34 };
         let arch = Arch {
             centre_m: 0.5 * (x[0] + x[1]),
             half_width_m: 0.5 * (x[1] - x[0]) - 0.3,
             spring_m: spring,
             rise_m: rise - 0.3,
         };
-        masonry::arched_wall(&mut ribs, &line, x, [spring, spring + rise], &[arch]);
-        masonry::soffit(&mut ribs, &line, &arch, spring);
+        masonry::arched_wall(&mut ribs, &rib_wall, x, [spring, spring + rise], &[arch]);
+        masonry::soffit(&mut ribs, &rib_wall, &arch, spring);
     };
-    for number in 1..=BAYS {
-        let z = number as f32 * BAY_M;
+    for bays_before in 1..=BAYS {
+        let z = bays_before as f32 * BAY_M;
         add_rib([-NAVE_X, NAVE_X], z, NAVE_SPRING, NAVE_RISE);
-        if number < BAYS {
+        if bays_before < BAYS {
             add_rib([-OUTER_X, -ARCADE_X - 0.3], z, AISLE_SPRING, 1.9);
             add_rib([ARCADE_X + 0.3, OUTER_X], z, AISLE_SPRING, 1.9);
         }
@@ -283,9 +286,10 @@ fn pews() -> Vec<MeshBuilder> {
 fn choir() -> Vec<MeshBuilder> {
     let z = CHOIR_END - 2.6;
     let mut altar = mesh("altar", ALTAR);
+    // Adds a box in the middle of the choir, over this range of heights above its floor.
     let block = |mesh: &mut MeshBuilder, half_width: f32, y: [f32; 2], half_depth: f32| {
-        let low = Vec3::new(-half_width, CHOIR_STEP + y[0], z - half_depth);
-        mesh.cuboid(low, Vec3::new(half_width, CHOIR_STEP + y[1], z + half_depth));
+        let min = Vec3::new(-half_width, CHOIR_STEP + y[0], z - half_depth);
+        mesh.cuboid(min, Vec3::new(half_width, CHOIR_STEP + y[1], z + half_depth));
     };
     block(&mut altar, 1.5, [-OVERLAP, 0.16], 0.9);
     block(&mut altar, 1.0, [0.16, 1.0], 0.4);
@@ -303,7 +307,7 @@ fn choir() -> Vec<MeshBuilder> {
     vec![altar, gold]
 }
 
-/// A window: its wall, its rectangle there, the material of its design, and the name of its mesh.
+/// A window: its wall, its rectangle on this wall, the material that shows its design, and the name of its mesh.
 struct Window {
     wall: Face,
     rect: Rect,
@@ -313,12 +317,13 @@ struct Window {
 
 /// Lists the lancets: those of the clerestory (the row above the arcades), of the aisles and of the choir.
 fn lancets() -> Vec<Window> {
-    let mut all = Vec::new();
-    // `along` is the z of the window's middle or, on the east wall, the x; `y` is the height of the middle.
-    let mut add = |wall: Face, along: f32, y: f32, height: f32, design: usize, name: &str| {
-        let rightwards = along * (wall.right.x + wall.right.z);
+    let mut lancets = Vec::new();
+    // `coordinate` is the z of the window's middle or, on the east wall, the x; `y` is the height of the middle. Where
+    // the wall's right is −z, the sign of the coordinate changes.
+    let mut add = |wall: Face, coordinate: f32, y: f32, height: f32, design: usize, name: &str| {
+        let rightwards = coordinate * (wall.right.x + wall.right.z);
         let rect = centred_rect(rightwards, y, height * 0.375, height);
-        all.push(Window { wall, rect, material: LANCET + design % 3, name: format!("{name}-{}", all.len()) });
+        lancets.push(Window { wall, rect, material: LANCET + design % 3, name: format!("{name}-{}", lancets.len()) });
     };
     for (side, wall) in nave_walls().into_iter().enumerate() {
         let outer = Face::new([wall.origin.x.signum() * OUTER_X, 0.0, 0.0], wall.right);
@@ -333,7 +338,7 @@ fn lancets() -> Vec<Window> {
     for (number, x) in [-1.9, 0.0, 1.9].into_iter().enumerate() {
         add(east_wall(), x, 3.9, if number == 1 { 3.6 } else { 3.0 }, number + 1, "east");
     }
-    all
+    lancets
 }
 
 /// Builds the rose and the lancets, each as a pane just in front of its wall; the lancets have sills of stone.
@@ -362,17 +367,17 @@ fn rose_rect() -> Rect {
 /// Returns the name of the mesh and the frame of each impostor: the rose, the lancets below it, and the clerestory
 /// windows of the two bays in front of the choir.
 fn impostors() -> Vec<(String, ssct_geometry::impostor_image::ImpostorFrame)> {
-    let mut all = vec![("rose".to_owned(), east_wall().portrait("rose", rose_rect(), 0.03, 512))];
+    let mut impostors = vec![("rose".to_owned(), east_wall().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {
-        let middle = window.wall.point_at(window.rect.min.x, 0.0, 0.0).z;
-        let kind = if window.name.starts_with("east") {
+        let z = window.wall.point_at(window.rect.min.x, 0.0, 0.0).z;
+        let label = if window.name.starts_with("east") {
             "east window"
-        } else if window.name.starts_with("clerestory") && middle > NAVE_END - 2.0 * BAY_M {
+        } else if window.name.starts_with("clerestory") && z > NAVE_END - 2.0 * BAY_M {
             "clerestory window"
         } else {
             continue;
         };
-        all.push((window.name.clone(), window.wall.portrait(kind, window.rect, 0.03, 96)));
+        impostors.push((window.name.clone(), window.wall.portrait(label, window.rect, 0.03, 96)));
     }
-    all
+    impostors
 }

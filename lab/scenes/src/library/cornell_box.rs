@@ -26,7 +26,7 @@ const HEIGHT: f32 = 5.488;
 const DEPTH: f32 = 5.592;
 /// The x and z ranges of the lamp, in metres.
 const LAMP_RANGES: ([f32; 2], [f32; 2]) = ([2.13, 3.43], [2.27, 3.32]);
-/// Distance of the lamp below the ceiling, and of its light below the lamp, in metres.
+/// Distance of the lamp below the ceiling, and of the lamp's area light below the lamp, in metres.
 const LAMP_GAP: f32 = 0.005;
 /// The corners of the two blocks on the floor (x and z), and the heights of the blocks, in metres.
 const BLOCKS: [([[f32; 2]; 4], f32); 2] = [
@@ -69,6 +69,7 @@ fn mesh(name: &str, material: usize) -> MeshBuilder {
 
 /// Builds floor, ceiling and three walls; the side towards the camera is open.
 fn shell() -> [MeshBuilder; 5] {
+    // Makes a rectangle of this width and height; `axes` are its lower left corner, and its right and up directions.
     let face = |name: &str, material: usize, axes: [Vec3; 3], size: [f32; 2]| {
         let mut side = mesh(name, material);
         side.panel(axes, Rect::new([0.0, size[0]], [0.0, size[1]]), &[]);

@@ -189,7 +189,7 @@ fn doors() -> Vec<MeshBuilder> {
     let mut frames = mesh("door-frames", TRIM);
     let mut handles = mesh("handles", METAL);
     let mut parts = Vec::new();
-    let mut number = 0;
+    let mut door_number = 0;
     for (wall, doors) in walls().into_iter().zip(DOORS) {
         for z in doors {
             let middle = z * wall.right.z;
@@ -201,18 +201,19 @@ fn doors() -> Vec<MeshBuilder> {
             }
             let top = Rect::new([hole.min.x, hole.max.x], [DOOR_M[1], DOOR_M[1] + 0.09]);
             wall.block(&mut frames, top, [0.0, 0.04]);
-            let leaf = Rect::new([hole.min.x, hole.max.x], [0.0, DOOR_M[1]]);
-            wall.block(&mut leaves, leaf, [-0.14, -0.10]);
+            let leaf_rect = Rect::new([hole.min.x, hole.max.x], [0.0, DOOR_M[1]]);
+            wall.block(&mut leaves, leaf_rect, [-0.14, -0.10]);
             for (y, height) in [(0.55, 0.7), (1.5, 0.9)] {
                 wall.border(&mut leaves, centred_rect(middle, y, 0.56, height), 0.04, [-0.1, -0.085]);
             }
             handles.sphere(wall.point_at(middle + 0.4, 1.03, -0.05), 0.035, [16, 8]);
-            if number < 4 {
-                let mut plate = mesh("number", NUMBER + number);
+            // The fifth door has no number plate.
+            if door_number < 4 {
+                let mut plate = mesh("number", NUMBER + door_number);
                 wall.picture(&mut plate, centred_rect(middle, 1.72, 0.16, 0.16), -0.08);
                 parts.push(plate);
             }
-            number += 1;
+            door_number += 1;
         }
     }
     parts.extend([leaves, frames, handles]);
@@ -255,13 +256,13 @@ fn furnishings() -> Vec<MeshBuilder> {
     let [left, right] = walls();
     let mut frames = mesh("picture-frames", DOOR);
     let mut parts = Vec::new();
-    // The wall, the mesh's name, the material and the rectangle of each painting.
-    let hung = [
+    // Wall, name of the mesh, material and rectangle of each painting.
+    let paintings = [
         (right, "landscape", PAINTING, rect_on_wall(&right, 13.5, 1.7, 1.5, 1.0)),
         (left, "ship", PAINTING + 1, rect_on_wall(&left, 7.5, 1.7, 1.5, 1.0)),
         (left, "portrait", PAINTING + 2, rect_on_wall(&left, 14.5, 1.72, 0.8, 1.0)),
     ];
-    for (wall, name, material, rect) in hung {
+    for (wall, name, material, rect) in paintings {
         let mut painting = mesh(name, material);
         wall.picture(&mut painting, rect, 0.02);
         wall.border(&mut frames, rect, 0.06, [0.0, 0.05]);
@@ -282,9 +283,9 @@ fn furnishings() -> Vec<MeshBuilder> {
     bench.cuboid(Vec3::new(0.92, 0.0, 12.8), Vec3::new(1.22, 0.42, 12.9));
     bench.cuboid(Vec3::new(0.92, 0.0, 14.1), Vec3::new(1.22, 0.42, 14.2));
     bench.cuboid(Vec3::new(0.86, 0.42, 12.6), Vec3::new(1.27, 0.47, 14.4));
-    let mut red = mesh("extinguisher", RED);
-    red.cylinder(Vec3::new(-1.16, 0.35, 9.2), 0.085, 0.5, 24);
-    red.sphere(Vec3::new(-1.16, 0.85, 9.2), 0.085, [24, 12]);
-    parts.extend([frames, exit, back, rods, bench, red]);
+    let mut extinguisher = mesh("extinguisher", RED);
+    extinguisher.cylinder(Vec3::new(-1.16, 0.35, 9.2), 0.085, 0.5, 24);
+    extinguisher.sphere(Vec3::new(-1.16, 0.85, 9.2), 0.085, [24, 12]);
+    parts.extend([frames, exit, back, rods, bench, extinguisher]);
     parts
 }

@@ -25,27 +25,28 @@ impl Face {
         Vec3::Y.cross(self.right)
     }
 
-    /// Returns the world-space point `x` metres to the right of the origin, at the height `y`, `out` metres out of the
-    /// wall.
-    pub fn point_at(&self, x: f32, y: f32, out: f32) -> Vec3 {
-        self.origin + x * self.right + y * Vec3::Y + out * self.outward()
+    /// Returns the world-space point `x` metres to the right of the origin, at the height `y`, and `out_m` metres out
+    /// of the wall.
+    pub fn point_at(&self, x: f32, y: f32, out_m: f32) -> Vec3 {
+        self.origin + x * self.right + y * Vec3::Y + out_m * self.outward()
     }
 
-    /// Adds the face itself, with openings.
+    /// Adds the part of the face within `extent`, except for the openings `holes`.
     pub fn wall(&self, mesh: &mut MeshBuilder, extent: Rect, holes: &[Rect]) {
         mesh.panel([self.origin, self.right, Vec3::Y], extent, holes);
     }
 
-    /// Adds a box over a rectangle of the face, between two distances out of the wall; negative ones are inside the
-    /// wall.
+    /// Adds a box over a rectangle of the face, from `from` to `to` metres out of the wall; negative distances are
+    /// inside the wall.
     pub fn block(&self, mesh: &mut MeshBuilder, rect: Rect, [from, to]: [f32; 2]) {
-        let (first, opposite) =
+        let (corner, opposite) =
             (self.point_at(rect.min.x, rect.min.y, from), self.point_at(rect.max.x, rect.max.y, to));
-        mesh.cuboid(first.min(opposite), first.max(opposite));
+        mesh.cuboid(corner.min(opposite), corner.max(opposite));
     }
 
-    /// Adds a frame of four boxes around a rectangle, `width` metres wide, between the two distances `out` of the wall.
-    pub fn border(&self, mesh: &mut MeshBuilder, rect: Rect, width: f32, out: [f32; 2]) {
+    /// Adds a frame of four boxes around a rectangle. The boxes are `width` metres wide, and lie between the two
+    /// distances `out_m` out of the wall.
+    pub fn border(&self, mesh: &mut MeshBuilder, rect: Rect, width: f32, out_m: [f32; 2]) {
         let (low, high) = (rect.min, rect.max);
         let outer = Rect { min: low - width, max: high + width };
         let (x, y) = ([outer.min.x, outer.max.x], [low.y, high.y]);
@@ -55,11 +56,12 @@ impl Face {
             Rect::new([outer.min.x, low.x], y),
             Rect::new([high.x, outer.max.x], y),
         ] {
-            self.block(mesh, bar, out);
+            self.block(mesh, bar, out_m);
         }
     }
 
-    /// Adds the four inner sides of an opening that reaches `depth` metres into the wall.
+    /// Adds the four inner sides (reveals) of the opening `rect`, which reaches `depth` metres into the wall. They face
+    /// the middle of the opening.
     pub fn reveals(&self, mesh: &mut MeshBuilder, rect: Rect, depth: f32) {
         let (low, high) = (rect.min, rect.max);
         let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
@@ -78,19 +80,19 @@ impl Face {
         }
     }
 
-    /// Adds a rectangle that shows one whole image, `out` metres out of the wall.
-    pub fn picture(&self, mesh: &mut MeshBuilder, rect: Rect, out: f32) {
+    /// Adds a rectangle that shows one whole image, `out_m` metres out of the wall.
+    pub fn picture(&self, mesh: &mut MeshBuilder, rect: Rect, out_m: f32) {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
-        mesh.picture(self.point_at(middle.x, middle.y, out), half.x * self.right, half.y * Vec3::Y);
+        mesh.picture(self.point_at(middle.x, middle.y, out_m), half.x * self.right, half.y * Vec3::Y);
     }
 
-    /// Returns the frame of an impostor over a rectangle, `out` metres out of the wall, whose image is `width` texels
+    /// Returns the frame of an impostor over a rectangle, `out_m` metres out of the wall, whose image is `width` texels
     /// wide.
-    pub fn portrait(&self, name: &'static str, rect: Rect, out: f32, width: u32) -> ImpostorFrame {
+    pub fn portrait(&self, name: &'static str, rect: Rect, out_m: f32, width: u32) -> ImpostorFrame {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
         ImpostorFrame {
             name,
-            centre: self.point_at(middle.x, middle.y, out),
+            centre: self.point_at(middle.x, middle.y, out_m),
             half_right: half.x * self.right,
             half_up: half.y * Vec3::Y,
             width,

@@ -49,10 +49,10 @@ impl Wall {
 }
 
 impl Arch {
-    /// Returns a point of the curve, metres along the wall and height, for `turn` from 0 (the left end) to 1 (the right
-    /// end).
-    fn curve(&self, turn: f32) -> Vec2 {
-        let (sin, cos) = (PI * turn).sin_cos();
+    /// Returns a point of the curve, as metres along the wall and height, for `share` from 0 (the left end) to 1 (the
+    /// right end).
+    fn curve(&self, share: f32) -> Vec2 {
+        let (sin, cos) = (PI * share).sin_cos();
         Vec2::new(self.centre_m - self.half_width_m * cos, self.spring_m + self.rise_m * sin)
     }
 
@@ -122,12 +122,13 @@ fn arch_points(arch: &Arch) -> Vec<Vec2> {
 
 /// Adds the curved surface of an arch through the wall, which faces inwards to the arch's centre or outwards.
 fn arch_shell(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, inwards: bool) {
-    let length = PI * 0.5 * (arch.half_width_m + arch.rise_m);
+    // The length of the half ellipse, taken to be that of a half circle of the mean radius.
+    let arc_length_m = PI * 0.5 * (arch.half_width_m + arch.rise_m);
     let direction = if inwards { 1.0 } else { -1.0 };
     mesh.surface(Vec3::ZERO, [ARCH_STEPS, 1], |s, t| {
         let point = arch.curve(s);
         let side = direction * (2.0 * t - 1.0);
-        (wall.point_at(point.x, point.y, side), Vec2::new(s * length, t * wall.thickness_m))
+        (wall.point_at(point.x, point.y, side), Vec2::new(s * arc_length_m, t * wall.thickness_m))
     });
 }
 
@@ -150,9 +151,9 @@ pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32,
         mesh.surface(origin, steps, |s, t| {
             let (sin, cos) = (PI * s - FRAC_PI_2).sin_cos();
             let groin = sin.abs();
-            let out = depth * (groin + (1.0 - groin) * t);
-            let position = width * sin * right + rise_m * cos * Vec3::Y + out * outward;
-            (position, Vec2::new((s - 0.5) * (width + rise_m) * FRAC_PI_2, out))
+            let out_m = depth * (groin + (1.0 - groin) * t);
+            let position = width * sin * right + rise_m * cos * Vec3::Y + out_m * outward;
+            (position, Vec2::new((s - 0.5) * (width + rise_m) * FRAC_PI_2, out_m))
         });
     }
 }
@@ -172,29 +173,32 @@ pub struct ColumnSize {
 
 /// Adds a round column on `foot`: square plinth, mouldings, tapering shaft, ring, capital and square abacus.
 pub fn column(mesh: &mut MeshBuilder, foot: Vec3, size: &ColumnSize) {
-    let (radius, top, half) = (size.radius_m, size.height_m, size.half_plinth_m);
-    let slab = 0.45 * half;
-    let square = |mesh: &mut MeshBuilder, low: f32, high: f32, half: f32| {
-        mesh.cuboid(foot + Vec3::new(-half, low, -half), foot + Vec3::new(half, high, half));
+    let (radius, top, half_plinth) = (size.radius_m, size.height_m, size.half_plinth_m);
+    // The height of the plinth.
+    let plinth_height = 0.45 * half_plinth;
+    // Adds a square slab between two heights.
+    let square = |mesh: &mut MeshBuilder, low: f32, high: f32, half_width: f32| {
+        mesh.cuboid(foot + Vec3::new(-half_width, low, -half_width), foot + Vec3::new(half_width, high, half_width));
     };
-    square(mesh, -0.02, slab, half);
-    square(mesh, top - 0.6 * slab, top, half);
+    square(mesh, -0.02, plinth_height, half_plinth);
+    square(mesh, top - 0.6 * plinth_height, top, half_plinth);
+    // Adds a ring of half-round profile at the height `low`, which is `bulge` thick.
     let moulding = |mesh: &mut MeshBuilder, low: f32, height: f32, inner: f32, bulge: f32| {
         mesh.revolve(foot + low * Vec3::Y, [size.sides, 5], |t| {
             let (sin, cos) = (PI * t).sin_cos();
             Vec2::new(inner + bulge * sin, height * (0.5 - 0.5 * cos))
         });
     };
-    let roll = 0.35 * slab;
-    moulding(mesh, slab, roll, radius, 0.8 * (half - radius));
-    moulding(mesh, slab + roll, 0.6 * roll, radius, 0.45 * (half - radius));
-    let (shaft_low, shaft_high) = (slab + 1.6 * roll, top - 1.9 * slab);
+    let roll_height = 0.35 * plinth_height;
+    moulding(mesh, plinth_height, roll_height, radius, 0.8 * (half_plinth - radius));
+    moulding(mesh, plinth_height + roll_height, 0.6 * roll_height, radius, 0.45 * (half_plinth - radius));
+    let (shaft_low, shaft_high) = (plinth_height + 1.6 * roll_height, top - 1.9 * plinth_height);
     mesh.revolve(foot + shaft_low * Vec3::Y, [size.sides, 3], |t| {
         Vec2::new(radius * (1.0 - 0.14 * t * t), (shaft_high - shaft_low) * t)
     });
-    moulding(mesh, shaft_high - 0.5 * roll, roll, 0.86 * radius, 0.14 * radius);
+    moulding(mesh, shaft_high - 0.5 * roll_height, roll_height, 0.86 * radius, 0.14 * radius);
     mesh.revolve(foot + shaft_high * Vec3::Y, [size.sides, 6], |t| {
         let flare = 1.0 - (1.0 - t * t).max(0.0).sqrt();
-        Vec2::new(0.86 * radius + (0.96 * half - 0.86 * radius) * flare.min(1.0), 1.3 * slab * t)
+        Vec2::new(0.86 * radius + (0.96 * half_plinth - 0.86 * radius) * flare.min(1.0), 1.3 * plinth_height * t)
     });
 }

@@ -171,15 +171,15 @@ fn shell() -> Vec<MeshBuilder> {
     floor.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new(widened(x), widened(ENDS_Z)), &[]);
     let mut ceiling = mesh("ceiling", CEILING);
     let well = Rect::new(SKYLIGHT.0, [-SKYLIGHT.1[1], -SKYLIGHT.1[0]]);
-    let whole = Rect::new(widened(x), widened([-ENDS_Z[1], -ENDS_Z[0]]));
-    ceiling.panel([HEIGHT * Vec3::Y, Vec3::X, Vec3::NEG_Z], whole, &[well]);
+    let ceiling_rect = Rect::new(widened(x), widened([-ENDS_Z[1], -ENDS_Z[0]]));
+    ceiling.panel([HEIGHT * Vec3::Y, Vec3::X, Vec3::NEG_Z], ceiling_rect, &[well]);
 
     let mut walls = mesh("walls", WALL);
     let mut stone = mesh("mouldings", STONE);
     let heights = [0.0, HEIGHT];
     let door = standing_rect(-DOOR_Z, 1.5, 2.3);
     let first_end = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
-    // Each wall with its extent along itself and its door.
+    // Each wall with its range to the right of its origin, and the hole of its door.
     let sides = [
         (left_wall(), ENDS_Z, None),
         (right_wall(), [-ENDS_Z[1], -ENDS_Z[0]], Some(door)),
@@ -217,6 +217,7 @@ fn skylight() -> Vec<MeshBuilder> {
     let top = HEIGHT + 0.8;
     let mut well = mesh("skylight-well", CEILING);
     let ring = |y: f32| [(x[0], z[0]), (x[1], z[0]), (x[1], z[1]), (x[0], z[1])].map(|(x, z)| Vec3::new(x, y, z));
+    // The corners of the well at the ceiling and at its top.
     let (low, high) = (ring(HEIGHT), ring(top));
     let middle = Vec3::new(0.5 * (x[0] + x[1]), HEIGHT, 0.5 * (z[0] + z[1]));
     for k in 0..4 {
@@ -234,7 +235,7 @@ fn skylight() -> Vec<MeshBuilder> {
     vec![well, bars, glass]
 }
 
-/// A painting on a wall: the names of its image and mesh, its material, and its place.
+/// A painting on a wall. Its mesh has the name `name` of the image, followed by `number`, the index of the painting.
 struct HungPainting {
     name: &'static str,
     number: usize,
@@ -246,8 +247,8 @@ struct HungPainting {
 /// Lists all paintings. The first six hang in the first hall and have impostors.
 fn hung_paintings() -> Vec<HungPainting> {
     let (left, right) = (left_wall(), right_wall());
-    let from_second = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
-    // The index of the image, the wall, the z of the middle (or, on a wall along x, the x), its height, and the width.
+    let back_of_partition = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
+    // Index of the image in `image_names`, wall, z of the middle (on a wall along x, its x), its height, and width.
     let places = [
         (0, left, -6.6, 1.9, 2.4),
         (2, left, -3.0, 1.9, 2.1),
@@ -259,18 +260,18 @@ fn hung_paintings() -> Vec<HungPainting> {
         (0, end_wall(), 0.6, 1.95, 3.0),
         (2, left, 8.0, 1.9, 2.4),
         (1, right, 7.0, 1.9, 2.4),
-        (3, from_second, 3.6, 1.9, 1.3),
+        (3, back_of_partition, 3.6, 1.9, 1.3),
     ];
-    let names = ["landscape", "ship", "fields", "portrait"];
+    let image_names = ["landscape", "ship", "fields", "portrait"];
     places
         .into_iter()
         .enumerate()
-        .map(|(number, (image, wall, along, y, width))| {
+        .map(|(number, (image, wall, coordinate, y, width))| {
             // The wall's right is an axis of the world or its opposite, which may change the sign of the coordinate.
-            let rightwards = along * (wall.right.x + wall.right.z);
-            let ratio = if image == 3 { 1.25 } else { 2.0 / 3.0 };
-            let rect = centred_rect(rightwards, y, width, width * ratio);
-            HungPainting { name: names[image], number, material: PAINTING + image, wall, rect }
+            let rightwards = coordinate * (wall.right.x + wall.right.z);
+            let height_per_width = if image == 3 { 1.25 } else { 2.0 / 3.0 };
+            let rect = centred_rect(rightwards, y, width, width * height_per_width);
+            HungPainting { name: image_names[image], number, material: PAINTING + image, wall, rect }
         })
         .collect()
 }
@@ -397,12 +398,13 @@ fn furniture() -> Vec<MeshBuilder> {
         pots.revolve(foot, [24, 8], |t| Vec2::new(0.16 + 0.1 * t, 0.45 * t));
         pots.disc(foot + 0.43 * Vec3::Y, 0.25, 24, Vec3::Y);
         for leaf in 0..11 {
+            // Leaves follow each other at about the golden angle, 2.4 radians.
             let (sin, cos) = (leaf as f32 * 2.4).sin_cos();
-            let lean = 0.22 + 0.28 * (leaf % 4) as f32 / 3.0;
+            let spread = 0.22 + 0.28 * (leaf % 4) as f32 / 3.0;
             leaves.tube([5, 6], Vec3::new(sin, 0.0, -cos), |t| {
-                let out = lean * t * (0.6 + 0.4 * t);
-                let rise = 1.25 * t - lean * t * t;
-                let point = foot + Vec3::new(out * cos, 0.42 + rise, out * sin);
+                let out_m = spread * t * (0.6 + 0.4 * t);
+                let rise_m = 1.25 * t - spread * t * t;
+                let point = foot + Vec3::new(out_m * cos, 0.42 + rise_m, out_m * sin);
                 (point, 0.005 + 0.05 * (PI * t.clamp(0.0, 1.0)).sin())
             });
         }

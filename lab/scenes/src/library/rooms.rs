@@ -81,7 +81,7 @@ pub fn scene() -> Scene {
 /// Returns the skylight and the two windows as area lights, as bright as the point lights that represent these
 /// openings.
 fn area_lights() -> Vec<AreaLight> {
-    // A pane from its least and greatest corner and the vectors from its centre to the middles of two edges.
+    // Makes a pane from its least and greatest corner and the vectors from its centre to the middles of two edges.
     let pane = |min: Vec3, max: Vec3, half_u: Vec3, half_v: Vec3| AreaLight {
         shape: AreaShape::Rectangle { centre: 0.5 * (min + max), half_u, half_v },
         radiance: Vec3::new(0.75, 0.85, 1.0),
@@ -170,11 +170,11 @@ fn windows() -> Vec<Mesh> {
     panes.into_iter().map(MeshBuilder::build).collect()
 }
 
-/// Adds the four sides between two rectangles, which face `middle`.
-fn sides_between(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], middle: Vec3) {
+/// Adds the four quadrilaterals that connect the edges of two rectangles; they face the point `middle`.
+fn sides_between(mesh: &mut MeshBuilder, first: &[Vec3; 4], second: &[Vec3; 4], middle: Vec3) {
     for k in 0..4 {
         let next = (k + 1) % 4;
-        mesh.polygon(&[from[k], from[next], to[next], to[k]], middle - 0.5 * (from[k] + to[next]));
+        mesh.polygon(&[first[k], first[next], second[next], second[k]], middle - 0.5 * (first[k] + second[next]));
     }
 }
 
@@ -198,9 +198,9 @@ fn blocks() -> Vec<Mesh> {
     let mut tops = mesh("block-tops", DARK_WOOD);
     for (row, tops_of_row) in TOPS.iter().enumerate() {
         for (column, &top) in tops_of_row.iter().enumerate() {
-            let low = CORNER + WIDTH * Vec2::new(column as f32, row as f32);
-            let min = Vec3::new(low.x, FLOOR_Y - OVERLAP, low.y);
-            let max = Vec3::new(low.x + WIDTH, top, low.y + WIDTH);
+            let corner = CORNER + WIDTH * Vec2::new(column as f32, row as f32);
+            let min = Vec3::new(corner.x, FLOOR_Y - OVERLAP, corner.y);
+            let max = Vec3::new(corner.x + WIDTH, top, corner.y + WIDTH);
             bricks.cuboid_without(min, max - BOARD * Vec3::Y, &[Vec3::Y, Vec3::NEG_Y]);
             let min = Vec3::new(min.x, top - BOARD, min.z);
             tops.cuboid_without(min, max, &[Vec3::NEG_Y]);
@@ -237,19 +237,19 @@ fn table() -> Vec<Mesh> {
     });
     let top = middle + 0.55 * Vec3::Y;
     let bowl = bowl(top + Vec3::new(0.22, 0.0, -0.15));
-    let mut small = mesh("small-things", BRICKS);
-    small.cuboid_without(top + Vec3::new(-0.42, 0.0, -0.12), top + Vec3::new(-0.18, 0.2, 0.08), &[Vec3::NEG_Y]);
+    let mut box_on_table = mesh("small-things", BRICKS);
+    box_on_table.cuboid_without(top + Vec3::new(-0.42, 0.0, -0.12), top + Vec3::new(-0.18, 0.2, 0.08), &[Vec3::NEG_Y]);
     let mut ball = mesh("table-ball", DARK_WOOD);
     ball.sphere(top + Vec3::new(0.02, 0.12, 0.22), 0.12, [32, 16]);
-    [table, leg, bowl, small, ball].map(MeshBuilder::build).into()
+    [table, leg, bowl, box_on_table, ball].map(MeshBuilder::build).into()
 }
 
 /// Builds a wooden bowl on `foot`: its outside, rim, inside and bottom.
 fn bowl(foot: Vec3) -> MeshBuilder {
-    // The radius and height of a profile with this greatest radius and lowest height, for `turn` from 0 at the bottom
-    // to 1 at the rim.
-    let side = |radius: f32, floor: f32, turn: f32| {
-        let (sin, cos) = (0.35 + 1.1 * turn).sin_cos();
+    // Returns the radius and the height of a profile, for `share` from 0 at the bottom to 1 at the rim. `radius` scales
+    // the profile's radii, and `floor` is the height from which it rises.
+    let side = |radius: f32, floor: f32, share: f32| {
+        let (sin, cos) = (0.35 + 1.1 * share).sin_cos();
         Vec2::new(radius * sin, floor + 0.14 * (0.94 - cos))
     };
     let (outer, inner) = (|t: f32| side(0.19, 0.0, t), |t: f32| side(0.175, 0.012, t));

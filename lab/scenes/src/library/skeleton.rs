@@ -22,15 +22,15 @@ const RIBS: [f32; 2] = [0.56, 0.80];
 
 /// Adds a skeleton that stands on `ground`, with its tail towards −z and its head towards +z.
 pub fn stand(bones: &mut MeshBuilder, ground: Vec3) {
-    // A point of the spine, for t from 0 at the tip of the tail to 1 at the skull.
+    // Returns a point of the spine, for t from 0 at the tip of the tail to 1 at the skull.
     let spine = |t: f32| ground + spline(&SPINE.map(|[y, z]| Vec3::new(0.0, y, z)), t);
     bones.tube([8, 48], Vec3::X, |t| (spine(t), 0.02 + 0.05 * (PI * (0.12 + 0.76 * t)).sin()));
     for vertebra in 0..34 {
         let t = (vertebra as f32 + 0.5) / 34.0;
-        let size = 0.03 + 0.06 * (PI * (0.08 + 0.8 * t)).sin();
-        bones.sphere(spine(t), size, [8, 6]);
-        let thorn = Vec3::new(0.0, 2.1 * size, -0.6 * size);
-        bone(bones, spine(t), spine(t) + thorn, [0.35 * size, 0.2 * size]);
+        let radius = 0.03 + 0.06 * (PI * (0.08 + 0.8 * t)).sin();
+        bones.sphere(spine(t), radius, [8, 6]);
+        let spike = Vec3::new(0.0, 2.1 * radius, -0.6 * radius);
+        bone(bones, spine(t), spine(t) + spike, [0.35 * radius, 0.2 * radius]);
     }
     for pair in 0..9 {
         let t = RIBS[0] + (RIBS[1] - RIBS[0]) * pair as f32 / 8.0;
@@ -53,8 +53,8 @@ fn bone(bones: &mut MeshBuilder, from: Vec3, to: Vec3, [thick, thin]: [f32; 2]) 
     bones.tube([7, 8], across, |t| {
         let radius = thick + (thin - thick) * t;
         let from_middle = 2.0 * t.clamp(0.0, 1.0) - 1.0;
-        let closed = (1.0 - from_middle.powi(8)).sqrt();
-        (from.lerp(to, t), radius * closed * (0.75 + 0.25 * from_middle.powi(2)))
+        let end_cap = (1.0 - from_middle.powi(8)).sqrt();
+        (from.lerp(to, t), radius * end_cap * (0.75 + 0.25 * from_middle.powi(2)))
     });
 }
 
@@ -80,13 +80,13 @@ fn leg(bones: &mut MeshBuilder, ground: Vec3, hip: Vec3, side: f32) {
     bone(bones, hip + Vec3::new(0.0, 0.18, -0.45), hip + Vec3::new(0.0, 0.22, 0.42), [0.07, 0.07]);
     bone(bones, hip, hip + Vec3::new(-0.12 * side, -0.62, 0.3), [0.07, 0.04]);
     bone(bones, hip, hip + Vec3::new(-0.12 * side, -0.5, -0.5), [0.06, 0.04]);
-    for (from, to, size) in [(hip, knee, [0.10, 0.09]), (knee, ankle, [0.085, 0.06]), (ankle, foot, [0.065, 0.05])] {
-        bone(bones, from, to, size);
-        bones.sphere(from, 1.05 * size[0], [10, 6]);
-        bones.sphere(to, 1.1 * size[1], [10, 6]);
+    for (from, to, radii) in [(hip, knee, [0.10, 0.09]), (knee, ankle, [0.085, 0.06]), (ankle, foot, [0.065, 0.05])] {
+        bone(bones, from, to, radii);
+        bones.sphere(from, 1.05 * radii[0], [10, 6]);
+        bones.sphere(to, 1.1 * radii[1], [10, 6]);
     }
-    for turn in [-0.45, 0.0, 0.45_f32] {
-        let (sin, cos) = turn.sin_cos();
+    for toe_angle in [-0.45, 0.0, 0.45_f32] {
+        let (sin, cos) = toe_angle.sin_cos();
         bone(bones, foot, foot + Vec3::new(0.36 * sin, -0.03, 0.36 * cos), [0.045, 0.03]);
         bones.sphere(foot + Vec3::new(0.36 * sin, -0.03, 0.36 * cos), 0.034, [8, 6]);
     }
@@ -100,8 +100,8 @@ fn arm(bones: &mut MeshBuilder, shoulder: Vec3, side: f32) {
     bone(bones, shoulder + Vec3::new(-0.12 * side, 0.3, -0.3), shoulder, [0.03, 0.05]);
     bone(bones, shoulder, elbow, [0.04, 0.03]);
     bone(bones, elbow, hand, [0.03, 0.022]);
-    for turn in [-0.3, 0.3_f32] {
-        bone(bones, hand, hand + Vec3::new(0.11 * turn, -0.07, 0.11), [0.018, 0.01]);
+    for spread in [-0.3, 0.3_f32] {
+        bone(bones, hand, hand + Vec3::new(0.11 * spread, -0.07, 0.11), [0.018, 0.01]);
     }
 }
 
@@ -136,10 +136,10 @@ fn skull(bones: &mut MeshBuilder, back: Vec3) {
 fn spline(points: &[Vec3], t: f32) -> Vec3 {
     let last = points.len() - 1;
     let position = t * last as f32;
-    // The point before the position, and the share of the way to the next point.
+    // The curve runs from b, the point before the position, to c; f is the share of the way from b to c.
     let index = (position.floor().max(0.0) as usize).min(last - 1);
     let f = position - index as f32;
-    let neighbour = |by: isize| points[index.saturating_add_signed(by).min(last)];
+    let neighbour = |offset: isize| points[index.saturating_add_signed(offset).min(last)];
     let [a, b, c, d] = [-1, 0, 1, 2].map(neighbour);
     if !(0.0..=1.0).contains(&f) {
         return b + (c - b) * f;

@@ -131,7 +131,7 @@ const GLOBE_REACH: f32 = 0.55;
 const GLOBE_RADIUS: f32 = 0.19;
 /// The range of the cinema's canopy along the house fronts, and its range of heights, in metres.
 const CANOPY: Rect = Rect { min: Vec2::new(7.6, 3.35), max: Vec2::new(14.4, 4.60) };
-/// How far the canopy projects from the house fronts, in metres.
+/// Projection of the canopy from the house fronts, in metres.
 const CANOPY_OUT: f32 = 1.6;
 
 /// Builds the scene, with its meshes, materials, lights, views, probes and impostors.
@@ -140,7 +140,7 @@ pub fn scene() -> Scene {
     let mut parts = vec![ground(), cinema(), signs(), lamps()];
     parts.extend(fronts().iter().map(house::build));
     let paints = [(CAR, RED_PAINT), (SECOND_CAR, BLUE_PAINT)];
-    parts.extend(paints.map(|(place, paint)| car::parked_car(place, &car_materials(paint))));
+    parts.extend(paints.map(|(position, paint)| car::parked_car(position, &car_materials(paint))));
     let meshes: Vec<Mesh> = parts.into_iter().flatten().map(MeshBuilder::build).collect();
     let (min, max) = ([-HOUSE_X, 0.0, ENDS_Z[0]], [HOUSE_X, TOP, ENDS_Z[1]]);
     let mut scene = Scene {
@@ -191,7 +191,7 @@ fn right_fronts() -> Face {
 fn fronts() -> [HouseFront; 8] {
     let north = Face::new([0.0, 0.0, ENDS_Z[1]], Vec3::X);
     let south = Face::new([0.0, 0.0, ENDS_Z[0]], Vec3::NEG_X);
-    // `span` is the range along the face, in metres to the right of its origin.
+    // Makes a front; `span` is its range along the face, in metres to the right of the face's origin.
     let front = |name, face, span, height, material: usize, ground| HouseFront {
         name,
         face,
@@ -218,21 +218,21 @@ fn fronts() -> [HouseFront; 8] {
 fn lights() -> Vec<Light> {
     let point = |x: f32, y: f32, z: f32, energy: f32| Light::Point { position: Vec3::new(x, y, z), energy };
     let globe = |[x, z]: [f32; 2]| point(x - x.signum() * GLOBE_REACH, GLOBE_Y - 0.55, z, 4.0);
-    let mut all = vec![Light::Directional { direction: Vec3::new(0.30, -0.80, 0.52).normalize(), energy: 0.30 }];
-    all.extend(LAMPS.map(globe));
-    // The x of the front of the canopy.
-    let canopy = -HOUSE_X + CANOPY_OUT;
-    all.extend([
-        point(canopy + 1.1, 4.0, 9.3, 4.0),
-        point(canopy + 1.1, 4.0, 12.7, 4.0),
-        point(canopy - 0.4, 2.7, 11.0, 3.0),
+    let mut lights = vec![Light::Directional { direction: Vec3::new(0.30, -0.80, 0.52).normalize(), energy: 0.30 }];
+    lights.extend(LAMPS.map(globe));
+    // The front of the canopy.
+    let canopy_x = -HOUSE_X + CANOPY_OUT;
+    lights.extend([
+        point(canopy_x + 1.1, 4.0, 9.3, 4.0),
+        point(canopy_x + 1.1, 4.0, 12.7, 4.0),
+        point(canopy_x - 0.4, 2.7, 11.0, 3.0),
         point(5.6, 8.1, 10.7, 3.0),
         point(5.6, 6.3, 10.7, 3.0),
         point(-5.6, 3.2, 1.9, 2.0),
         point(5.3, 3.4, 2.9, 3.0),
         point(5.3, 3.4, 4.7, 2.0),
     ]);
-    all
+    lights
 }
 
 /// Returns the globes of the lamps and the two neon tubes as area lights.
@@ -241,12 +241,12 @@ fn area_lights() -> Vec<AreaLight> {
         shape: AreaShape::Sphere { centre: Vec3::new(x - x.signum() * GLOBE_REACH, GLOBE_Y, z), radius: GLOBE_RADIUS },
         radiance: Vec3::new(1.0, 0.93, 0.74),
     };
-    let mut all = LAMPS.map(globe).to_vec();
+    let mut lights = LAMPS.map(globe).to_vec();
     for (tube, radiance) in NEON.iter().zip([Vec3::new(1.0, 0.22, 0.52), Vec3::new(0.22, 0.90, 1.0)]) {
         let [a, b] = *tube;
-        all.push(AreaLight { shape: AreaShape::Capsule { a, b, radius: NEON_RADIUS }, radiance });
+        lights.push(AreaLight { shape: AreaShape::Capsule { a, b, radius: NEON_RADIUS }, radiance });
     }
-    all
+    lights
 }
 
 /// The two ends of each neon tube: one tube runs below the edge of the canopy, one up the corner of the hotel.
@@ -273,11 +273,11 @@ fn ground() -> Vec<MeshBuilder> {
     for side in [-1.0, 1.0] {
         let pavement_x = ordered(side * (KERB_X + 0.15), side * (HOUSE_X + 0.3));
         pavement.panel([KERB_M * Vec3::Y, Vec3::X, Vec3::Z], Rect::new(pavement_x, z), &[]);
-        let [low, high] = ordered(side * KERB_X, side * (KERB_X + 0.15));
+        let [kerb_min_x, kerb_max_x] = ordered(side * KERB_X, side * (KERB_X + 0.15));
         let mut from = z[0];
         while from < z[1] {
             let to = (from + 1.2).min(z[1]);
-            kerb.cuboid(Vec3::new(low, -0.02, from + 0.006), Vec3::new(high, KERB_M + 0.006, to - 0.006));
+            kerb.cuboid(Vec3::new(kerb_min_x, -0.02, from + 0.006), Vec3::new(kerb_max_x, KERB_M + 0.006, to - 0.006));
             from = to;
         }
     }
@@ -371,9 +371,9 @@ fn signs() -> Vec<MeshBuilder> {
         let mut back = mesh(format!("{}-back", blade.name), blade.material);
         behind.picture(&mut back, mirrored, 0.0);
         let (low, high) = (blade.rect.min, blade.rect.max);
-        let wall = HOUSE_X * low.x.signum();
+        let wall_x = HOUSE_X * low.x.signum();
         for y in [low.y + 0.3 * (high.y - low.y), high.y - 0.12 * (high.y - low.y)] {
-            let (from, to) = (wall.min(low.x + 0.3), wall.max(high.x - 0.3));
+            let (from, to) = (wall_x.min(low.x + 0.3), wall_x.max(high.x - 0.3));
             let z = blade.face.origin.z + 0.02;
             rods.cuboid(Vec3::new(from, y - 0.015, z - 0.012), Vec3::new(to, y + 0.015, z + 0.012));
         }
@@ -408,8 +408,8 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![posts, globes]
 }
 
-/// Adds the impostors in the order from the farthest from the road to the nearest, because Schmidt's listing keeps the
-/// last impostor that a ray hits.
+/// Adds the impostors, from the farthest from the road to the nearest, because Schmidt's listing (2013) keeps the last
+/// impostor that a ray hits.
 fn add_impostors(scene: &mut Scene) {
     for front in fronts().iter().take(5) {
         let names = house::mesh_names(front.name);

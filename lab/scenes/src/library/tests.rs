@@ -48,9 +48,9 @@ fn indices_materials_and_textures_exist() {
         for material in &scene.materials {
             let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
             assert!(maps.into_iter().flatten().all(|texture| texture < scene.textures.len()), "{material:?}");
-            // A material without images must have a colour other than white, or be a window.
-            let is_even = maps == [None; 4] && material.albedo != Vec3::ONE;
-            assert!(is_even || maps[0].is_some() == (material.surface == Surface::Lit), "{material:?}");
+            // A lit material without images must have a colour other than white, and a window must have no image.
+            let is_paint = maps == [None; 4] && material.albedo != Vec3::ONE;
+            assert!(is_paint || maps[0].is_some() == (material.surface == Surface::Lit), "{material:?}");
         }
         for (index, material) in scene.materials.iter().enumerate() {
             assert!(scene.meshes.iter().any(|mesh| mesh.material == index), "nothing is made of {}", material.name);
@@ -91,7 +91,7 @@ fn winding_agrees_with_the_normals() {
 #[test]
 fn tangents_follow_the_texture() {
     for scene in SCENES.iter() {
-        let (mut wrong, mut all) = (0, 0);
+        let (mut wrong, mut total) = (0, 0);
         for (_, [a, b, c]) in triangles(scene) {
             let position = |v: Vertex| Vec3::from(v.position);
             let uv = |v: Vertex| glam::Vec2::from(v.uv);
@@ -103,14 +103,14 @@ fn tangents_follow_the_texture() {
             let against_v = -(to_c * uv_to_b.x - to_b * uv_to_c.x) * sign;
             let tangent = Vec3::from_slice(&a.tangent[..3]);
             let bitangent = a.tangent[3] * Vec3::from(a.normal).cross(tangent);
-            all += 1;
+            total += 1;
             if along_u.dot(tangent) <= 0.0 || against_v.dot(bitangent) <= 0.0 {
                 wrong += 1;
             }
         }
         // Where a surface closes to a point, the texture is twisted within one triangle, so that a few triangles may
         // differ.
-        assert!(wrong * 200 < all, "{}: {wrong} of {all}", scene.name);
+        assert!(wrong * 200 < total, "{}: {wrong} of {total}", scene.name);
     }
 }
 
@@ -120,7 +120,7 @@ fn texture_scale_is_true_to_the_metre() {
         let floor = scene.meshes.iter().find(|mesh| ["floor", "road"].contains(&mesh.name.as_str())).expect("a floor");
         let (a, b) = (floor.vertices[0], floor.vertices[1]);
         let metres = Vec3::from(a.position).distance(Vec3::from(b.position));
-        // How many widths of the image lie between two vertices.
+        // The number of widths of the image that lie between the two vertices.
         let images = glam::Vec2::from(a.uv).distance(glam::Vec2::from(b.uv));
         assert!((1.0..4.0).contains(&(metres / images)), "{}", metres / images);
     }
@@ -143,16 +143,16 @@ fn is_near(point: Vec3, [a, b, c]: [Vec3; 3], reach: f32) -> bool {
     if point.cmplt(low).any() || point.cmpgt(high).any() {
         return false;
     }
-    // Ericson, Real-Time Collision Detection, 5.1.5, without early exits: above the triangle's inside the distance to
-    // the plane counts, elsewhere the distance to the nearest edge.
+    // The method is that of Ericson, Real-Time Collision Detection, 5.1.5, without early exits. Above or below the
+    // triangle, the distance to its plane counts, and elsewhere the distance to its nearest edge.
     let normal = (b - a).cross(c - a);
     let edges = [(a, b), (b, c), (c, a)];
     if edges.iter().all(|&(start, end)| (end - start).cross(point - start).dot(normal) >= 0.0) {
         return (point - a).dot(normal).abs() / normal.length() < reach;
     }
     edges.iter().any(|&(start, end)| {
-        let along = ((point - start).dot(end - start) / (end - start).length_squared()).clamp(0.0, 1.0);
-        point.distance(start.lerp(end, along)) < reach
+        let share = ((point - start).dot(end - start) / (end - start).length_squared()).clamp(0.0, 1.0);
+        point.distance(start.lerp(end, share)) < reach
     })
 }
 
@@ -203,12 +203,12 @@ fn lengths(shape: &AreaShape) -> Vec<f32> {
 #[test]
 fn a_scale_enlarges_probes_impostors_and_area_lights() {
     let sizes = |scene: &Scene| {
-        let mut all: Vec<f32> = scene.area_lights.iter().flat_map(|light| lengths(&light.shape)).collect();
+        let mut lengths_m: Vec<f32> = scene.area_lights.iter().flat_map(|light| lengths(&light.shape)).collect();
         let probe = |probe: &Probe| [probe.position, probe.bounds.min, probe.bounds.max].map(Vec3::length);
-        all.extend(scene.probes.iter().flat_map(probe));
+        lengths_m.extend(scene.probes.iter().flat_map(probe));
         let impostor = |impostor: &Impostor| [impostor.centre, impostor.half_u, impostor.half_v].map(Vec3::length);
-        all.extend(scene.impostors.iter().flat_map(impostor));
-        all
+        lengths_m.extend(scene.impostors.iter().flat_map(impostor));
+        lengths_m
     };
     let before = built("street");
     let mut scaled = before.clone();

@@ -8,7 +8,7 @@ use glam::{DVec4, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// A material as the law (the conventions) of the program that wrote its numbers gives it.
+/// A material as the conventions of the program that wrote its numbers give it.
 #[derive(Debug, Clone)]
 pub(super) struct MaterialReading {
     /// The material without its name, surface and images.
@@ -24,8 +24,8 @@ pub(super) struct MaterialReading {
 /// The index of an image in the list of the images that were read.
 type ImageId = usize;
 
-/// How an image of the scene is made: from which images that were read, and with which factors. Materials with equal
-/// recipes share the image. `Plain` is an image that is used unchanged.
+/// The recipe of an image of the scene: the read images that it is made from, and the factors. Materials with equal
+/// recipes share the image. `Plain` is an image that is used unchanged, and `level` is an image of the specular level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ImageRecipe {
     Plain(ImageId),
@@ -37,29 +37,29 @@ enum ImageRecipe {
 /// The images that were read, and the images that the scene's materials need.
 pub(super) struct Textures {
     /// The images that were read; `None` for an image without a file and without a replacement.
-    read: Vec<Option<Texture>>,
+    read_images: Vec<Option<Texture>>,
     /// The images to make, each listed once.
-    made: Vec<ImageRecipe>,
-    /// Index of each recipe in `made`. The key is its text in the format of `Debug`, since floats cannot be hashed.
-    index: HashMap<String, usize>,
+    recipes: Vec<ImageRecipe>,
+    /// Index of each recipe in `recipes`. The key is its text in the format of `Debug`, since floats cannot be hashed.
+    recipe_index: HashMap<String, usize>,
 }
 
 impl Textures {
     /// Takes the images that were read; no material has asked for one yet.
-    pub(super) fn new(read: Vec<Option<Texture>>) -> Self {
-        Self { read, made: Vec::new(), index: HashMap::new() }
+    pub(super) fn new(read_images: Vec<Option<Texture>>) -> Self {
+        Self { read_images, recipes: Vec::new(), recipe_index: HashMap::new() }
     }
 
     /// Returns true if an image was read or replaced.
     pub(super) fn has_image(&self, image: ImageId) -> bool {
-        self.read[image].is_some()
+        self.read_images[image].is_some()
     }
 
     /// Returns the index of a recipe among the images to make, to which it is added if it is new.
-    fn add(&mut self, wanted: ImageRecipe) -> usize {
-        *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
-            self.made.push(wanted);
-            self.made.len() - 1
+    fn add(&mut self, recipe: ImageRecipe) -> usize {
+        *self.recipe_index.entry(format!("{recipe:?}")).or_insert_with(|| {
+            self.recipes.push(recipe);
+            self.recipes.len() - 1
         })
     }
 
@@ -76,10 +76,10 @@ impl Textures {
         let is_metallic = reading.is_some_and(|reading| reading.is_metallic);
         let emits = reading.is_some_and(|reading| reading.factors.emission != Vec3::ZERO);
         let is_baked = metalness.is_some() || (emits && (base.is_some() || emission.is_some()));
-        let mut plain = |image: Option<ImageId>| image.map(|image| self.add(ImageRecipe::Plain(image)));
-        let unchanged = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
+        let mut add_plain = |image: Option<ImageId>| image.map(|image| self.add(ImageRecipe::Plain(image)));
+        let plain_images = [base.filter(|_| !is_baked), normal, mask, reflectivity.filter(|_| !is_metallic)];
         [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] =
-            unchanged.map(&mut plain);
+            plain_images.map(&mut add_plain);
         let Some(MaterialReading { factors, roughness_factor, .. }) = reading.cloned() else { return };
         if is_baked {
             let emission = emission.filter(|_| emits);
@@ -93,32 +93,33 @@ impl Textures {
         let is_tinted = factors.metallic > 0.0 && (base.is_some() || metalness.is_some());
         if is_metallic && (is_tinted || reflectivity.is_some()) {
             material.reflectivity = 1.0;
+            // By these conventions, the image of the reflectivity holds the level of the specular reflection.
             let level = reflectivity;
             material.reflectivity_map = Some(self.add(ImageRecipe::Reflectivity { base, metalness, level, factors }));
         }
     }
 
-    /// Makes the images. They will follow `before` other images of the scene, so that `before` is added to all indices
-    /// of maps in `materials`. Images that were read only for baking are dropped.
-    pub(super) fn finish(self, before: usize, materials: &mut [Material]) -> Vec<Texture> {
+    /// Makes the images. They will follow the scene's `first_index` other images, so that `first_index` is added to all
+    /// indices of maps in `materials`. Images that were read only for baking are dropped.
+    pub(super) fn finish(self, first_index: usize, materials: &mut [Material]) -> Vec<Texture> {
         for material in materials {
             let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = material;
             let maps = [albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map];
-            maps.into_iter().flatten().for_each(|index| *index += before);
+            maps.into_iter().flatten().for_each(|index| *index += first_index);
         }
-        let Self { mut read, made, .. } = self;
-        let baked: Vec<Option<Texture>> = made.par_iter().map(|recipe| bake(recipe, &read)).collect();
+        let Self { mut read_images, recipes, .. } = self;
+        let baked: Vec<Option<Texture>> = recipes.par_iter().map(|recipe| bake(recipe, &read_images)).collect();
         let finished = |(recipe, baked): (ImageRecipe, Option<Texture>)| match recipe {
-            ImageRecipe::Plain(image) => read[image].take(),
+            ImageRecipe::Plain(image) => read_images[image].take(),
             _ => baked,
         };
-        made.into_iter().zip(baked).filter_map(finished).collect()
+        recipes.into_iter().zip(baked).filter_map(finished).collect()
     }
 }
 
 /// Bakes an image from the images that were read; `None` for an image that is used unchanged.
-fn bake(recipe: &ImageRecipe, read: &[Option<Texture>]) -> Option<Texture> {
-    let input = |image: Option<ImageId>| read[image?].as_ref();
+fn bake(recipe: &ImageRecipe, read_images: &[Option<Texture>]) -> Option<Texture> {
+    let input = |image: Option<ImageId>| read_images[image?].as_ref();
     // A number is read from red, since a grey image has it in every channel.
     Some(match *recipe {
         ImageRecipe::Plain(_) => return None,

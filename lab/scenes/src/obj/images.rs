@@ -58,7 +58,7 @@ pub(super) struct MaterialImages {
 
 impl MaterialImages {
     /// Returns all images, in the order of the fields.
-    fn all(&self) -> [&Option<ImageStatement>; 7] {
+    fn in_order(&self) -> [&Option<ImageStatement>; 7] {
         let Self { albedo, normal, mask, reflectivity, emission, roughness, metalness } = self;
         [albedo, normal, mask, reflectivity, emission, roughness, metalness]
     }
@@ -95,24 +95,24 @@ struct Request {
 
 /// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
 ///
-/// No image gets more than `side` texels along a side. Each image that is missing or cannot be read adds one warning. A
-/// generated image replaces a missing one whose file name suggests a pattern. Otherwise the material has its plain
+/// Larger images are shrunk to `side` texels along their longer side. Each image that is missing or cannot be read adds
+/// one warning. A generated image replaces it if its file name suggests a pattern. Otherwise the material has its plain
 /// colour, no normal map, no mask, or only the value of its numbers.
 pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialSource>, side: u32) {
     let mut requests = Requests::default();
     let requested: Vec<[Option<usize>; 7]> = sources.iter().map(|source| requests.add_all(source)).collect();
 
-    let bar = bounded::image_bar(requests.list.len());
+    let progress = bounded::image_bar(requests.list.len());
     let loaded: Vec<LoadedImage> = requests
         .within_budget(side)
         .into_par_iter()
         .map(|(request, fits)| {
             let loaded = load(request, fits, side);
-            bar.inc(1);
+            progress.inc(1);
             loaded
         })
         .collect();
-    bar.finish_and_clear();
+    progress.finish_and_clear();
     let mut warned = HashSet::new();
     let mut images = Vec::with_capacity(loaded.len());
     for (loaded, statement) in loaded.into_iter().zip(&requests.statements) {
@@ -120,9 +120,9 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialSource>, side: u32)
             && warned.insert(loaded.path)
         {
             let ImageStatement { name, mtl_path, line, .. } = statement;
-            let instead = loaded.instead;
+            let replacement = loaded.replacement;
             scene.warnings.push(format!(
-                "{}:{line}: image {} {problem}; {instead}",
+                "{}:{line}: image {} {problem}; {replacement}",
                 mtl_path.display(),
                 printable_name(name)
             ));
@@ -142,13 +142,13 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialSource>, side: u32)
 /// material with an image whose options would change the image.
 fn warn_of_options(scene: &mut Scene, sources: &[MaterialSource]) {
     for (source, material) in sources.iter().zip(&scene.materials) {
-        let images = || source.images.all().into_iter().flatten();
+        let images = || source.images.in_order().into_iter().flatten();
         let transformed = images().find(|image| image.transformed).map(|image| (image, "-s, -o and -t"));
         let altered = images().find(|image| image.altered).map(|image| (image, "-mm, -imfchan and -clamp"));
         for (image, options) in transformed.into_iter().chain(altered) {
             let place = image.place();
-            let what = format!("the options {options} of maps are not supported and were ignored");
-            scene.warnings.push(format!("{place}: material {}: {what}", material.name));
+            let message = format!("the options {options} of maps are not supported and were ignored");
+            scene.warnings.push(format!("{place}: material {}: {message}", material.name));
         }
     }
 }
@@ -162,24 +162,24 @@ struct Requests {
     /// Index of each request in the list.
     index: HashMap<Request, usize>,
     /// The path of each image that was looked up, by the folder of the MTL file and the name in it.
-    found: HashMap<(PathBuf, String), PathBuf>,
+    resolved_paths: HashMap<(PathBuf, String), PathBuf>,
 }
 
 impl Requests {
-    /// Requests the images of a material. Returns the index of each request, in the order of [`MaterialImages::all`],
-    /// and `None` where the material has no such image.
+    /// Requests the images of a material. Returns the index of each request, in the order of
+    /// [`MaterialImages::in_order`], and `None` where the material has no such image.
     fn add_all(&mut self, source: &MaterialSource) -> [Option<usize>; 7] {
         let is_metallic = source.reading.as_ref().is_some_and(|reading| reading.is_metallic);
-        let level = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
+        let specular = if is_metallic { ImageRole::Data } else { ImageRole::Reflectivity };
         // The bits of the multiplier make requests with different multipliers differ.
-        let normal = match &source.images.normal {
+        let bump = match &source.images.normal {
             Some(image) if image.is_normal_map => ImageRole::Normal(image.multiplier.to_bits()),
             image => ImageRole::Bump(image.as_ref().map_or(0, |image| image.multiplier.to_bits())),
         };
         let roles =
-            [ImageRole::Albedo, normal, ImageRole::Mask, level, ImageRole::Emission, ImageRole::Data, ImageRole::Data];
+            [ImageRole::Albedo, bump, ImageRole::Mask, specular, ImageRole::Emission, ImageRole::Data, ImageRole::Data];
         let mut roles = roles.into_iter();
-        source.images.all().map(|image| {
+        source.images.in_order().map(|image| {
             let role = roles.next()?;
             image.as_ref().map(|image| self.add(image, role))
         })
@@ -189,7 +189,7 @@ impl Requests {
     fn add(&mut self, statement: &ImageStatement, role: ImageRole) -> usize {
         let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
         let key = (folder.to_owned(), statement.name.clone());
-        let path = self.found.entry(key).or_insert_with(|| {
+        let path = self.resolved_paths.entry(key).or_insert_with(|| {
             // If the image is not found, the request gets the path as written, at which there is no file.
             resolve(folder, &statement.name).unwrap_or_else(|| folder.join(forward_slashes(&statement.name)))
         });
@@ -220,14 +220,14 @@ struct LoadedImage {
     path: PathBuf,
     /// The image or its generated replacement; `None` if a number takes its place.
     texture: Option<Texture>,
-    /// Why the requested image is not used; `None` if it is used.
+    /// The reason why the requested image is not used; `None` if it is used.
     problem: Option<String>,
-    /// What replaces the image, in words.
-    instead: &'static str,
+    /// The part of the warning that says what takes the image's place.
+    replacement: &'static str,
 }
 
-/// Decodes the image of a request, or finds a replacement if the image cannot be used. `fits` is false if the image
-/// would exceed the texels of a scene.
+/// Decodes the image of a request, with at most `side` texels along a side, or finds a replacement if the image cannot
+/// be used. `fits` is false if the image would exceed the texels of a scene.
 fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
     let Request { path, role } = request.clone();
     let problem = if !path.is_file() {
@@ -236,7 +236,7 @@ fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
         format!("would exceed the {MAX_TEXELS} texels of a scene")
     } else {
         match decode(&path, role, side) {
-            Ok(texture) => return LoadedImage { path, texture: Some(texture), problem: None, instead: "" },
+            Ok(texture) => return LoadedImage { path, texture: Some(texture), problem: None, replacement: "" },
             Err(error) => format!("cannot be used ({error})"),
         }
     };
@@ -246,7 +246,7 @@ fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
         ImageRole::Bump(_) | ImageRole::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
         ImageRole::Mask | ImageRole::Reflectivity | ImageRole::Emission | ImageRole::Data => None,
     };
-    let instead = match role {
+    let replacement = match role {
         _ if texture.is_some() => "a generated image takes its place",
         ImageRole::Albedo => "the material's colour takes its place",
         ImageRole::Bump(_) | ImageRole::Normal(_) => "the surface is smooth",
@@ -254,7 +254,7 @@ fn load(request: &Request, fits: bool, side: u32) -> LoadedImage {
         ImageRole::Reflectivity => "white takes its place",
         ImageRole::Emission | ImageRole::Data => "the material's number takes its place",
     };
-    LoadedImage { path, texture, problem: Some(problem), instead }
+    LoadedImage { path, texture, problem: Some(problem), replacement }
 }
 
 /// Decodes a file, shrinks the image to at most `side` texels along a side, and converts the image to its role.
@@ -284,19 +284,19 @@ pub(crate) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
     find_file(folder, &name).or_else(|| find_file(folder, last_component))
 }
 
-/// Finds a file by its name with folders, as written or else with case ignored in components that do not exist as
-/// written.
+/// Finds a file below `folder` by its name with folders. The name is taken as written, or else with case ignored in
+/// components that do not exist as written.
 fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let exact = folder.join(name);
     if exact.is_file() {
         return Some(exact);
     }
-    let mut found = if name.starts_with('/') { PathBuf::from("/") } else { folder.to_owned() };
+    let mut path_so_far = if name.starts_with('/') { PathBuf::from("/") } else { folder.to_owned() };
     for component in name.split('/').filter(|component| !component.is_empty()) {
-        let next = found.join(component);
-        found = if next.exists() { next } else { entry_ignoring_case(&found, component)? };
+        let next = path_so_far.join(component);
+        path_so_far = if next.exists() { next } else { entry_ignoring_case(&path_so_far, component)? };
     }
-    found.is_file().then_some(found)
+    path_so_far.is_file().then_some(path_so_far)
 }
 
 /// Returns the path of an entry of a folder whose name differs from `name` at most in case.
@@ -305,6 +305,6 @@ fn entry_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let wanted = name.to_lowercase();
     let entries = std::fs::read_dir(folder).ok()?.flatten();
     let matching = entries.filter(|entry| entry.file_name().to_string_lossy().to_lowercase() == wanted);
-    // The first by name is taken, since the order of a folder's entries is arbitrary.
+    // The alphabetically first entry is taken, since the order of a folder's entries is arbitrary.
     matching.map(|entry| entry.path()).min()
 }

@@ -36,7 +36,7 @@ use maps::image_statement;
 /// A material: the statements of one `newmtl` block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Definition {
-    /// The law by which the numbers are read, once it was chosen.
+    /// The law, that is, the exporter's meaning of the numbers, once it was chosen.
     law: Law,
     /// The colour of `Kd`.
     diffuse: Option<Vec3>,
@@ -110,8 +110,8 @@ pub(super) fn read_libraries(
             }
         }
     }
-    let uncommented = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
-    definitions.by_uncommented = uncommented.collect();
+    let name_pairs = definitions.named.keys().map(|name| (without_comment(name).to_owned(), name.clone()));
+    definitions.by_uncommented = name_pairs.collect();
     Ok(definitions)
 }
 
@@ -121,7 +121,7 @@ pub(super) fn read_libraries(
 fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>)> {
     /// Greatest number of words in a name that is searched for, unless the whole statement is a name.
     const MOST_WORDS: usize = 16;
-    // A name with its path, if the file exists.
+    // Returns a name with its path, if the file exists.
     let existing = |name: &str| Some((name.to_owned(), Some(resolve(folder, name)?)));
     if let Some(whole) = spellings(statement).iter().find_map(|name| existing(name)) {
         return vec![whole];
@@ -131,13 +131,13 @@ fn library_names(folder: &Path, statement: &str) -> Vec<(String, Option<PathBuf>
     let words: Vec<String> =
         marked.split([' ', '\t']).filter(|word| !word.is_empty()).map(|word| word.replace('\n', " ")).collect();
     let mut names = Vec::new();
-    let mut rest = &words[..];
-    while let Some(first) = rest.first() {
-        let mut counts = (1..=rest.len().min(MOST_WORDS)).rev();
-        let longest = counts.find_map(|count| Some((count, existing(&rest[..count].join(" "))?)));
+    let mut unread_words = &words[..];
+    while let Some(first) = unread_words.first() {
+        let mut word_counts = (1..=unread_words.len().min(MOST_WORDS)).rev();
+        let longest = word_counts.find_map(|count| Some((count, existing(&unread_words[..count].join(" "))?)));
         let (count, name) = longest.unwrap_or_else(|| (1, (first.clone(), None)));
         names.push(name);
-        rest = &rest[count..];
+        unread_words = &unread_words[count..];
     }
     names
 }
@@ -177,8 +177,8 @@ fn without_comment(statement: &str) -> &str {
 /// comment, and then the same two with each backslash before a blank removed.
 fn spellings(statement: &str) -> Vec<Cow<'_, str>> {
     let plain = [statement, without_comment(statement)];
-    let escaped = plain.map(|text| Cow::Owned(text.replace("\\ ", " ")));
-    distinct(plain.map(Cow::Borrowed).into_iter().chain(escaped))
+    let unescaped = plain.map(|text| Cow::Owned(text.replace("\\ ", " ")));
+    distinct(plain.map(Cow::Borrowed).into_iter().chain(unescaped))
 }
 
 /// Returns the items without repetitions, in their order.
@@ -198,7 +198,7 @@ fn read_materials(path: &Path, text: &str) -> HashMap<String, Definition> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
     let mut exporter = Exporter::default();
-    // A material whose statements are complete, with its law chosen.
+    // Chooses the law (the meaning of the numbers) of a material whose statements are complete.
     let with_law = |current: Option<(String, Definition)>, exporter| {
         current.map(|(name, mut definition)| {
             definition.choose_law(exporter);
@@ -207,17 +207,17 @@ fn read_materials(path: &Path, text: &str) -> HashMap<String, Definition> {
     };
     for (index, line) in text.split(separator).enumerate() {
         let line = line.trim();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let rest = rest.trim();
+        let (keyword, arguments) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let arguments = arguments.trim();
         let place = Place { path, line: index + 1 };
         if keyword.eq_ignore_ascii_case("newmtl") {
             definitions.extend(with_law(current.take(), exporter));
-            let name = if rest.is_empty() { NO_MATERIAL } else { rest };
+            let name = if arguments.is_empty() { NO_MATERIAL } else { arguments };
             current = Some((name.to_owned(), Definition::default()));
         } else if line.starts_with('#') {
             exporter = Exporter::from_comment(line).unwrap_or(exporter);
         } else if let Some((_, definition)) = &mut current {
-            read_statement(&place, &keyword.to_ascii_lowercase(), rest, definition);
+            read_statement(&place, &keyword.to_ascii_lowercase(), arguments, definition);
         }
     }
     definitions.extend(with_law(current, exporter));
@@ -236,29 +236,31 @@ impl std::fmt::Display for Place<'_> {
     }
 }
 
-/// Reads a statement of a material into its definition. `keyword` is in small letters, and `rest` is the text after the
-/// keyword.
-fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Definition) {
-    let image = || image_statement(place, rest);
+/// Reads a statement of a material into its definition. `keyword` is in lower case, and `arguments` is the text after
+/// the keyword.
+fn read_statement(place: &Place, keyword: &str, arguments: &str, definition: &mut Definition) {
+    let image = || image_statement(place, arguments);
     match keyword {
-        "kd" => definition.diffuse = colour(place, rest, definition),
-        "ks" => definition.specular = colour(place, rest, definition),
-        "ns" => definition.exponent = number(place, rest, definition),
-        "pr" => definition.roughness = number(place, rest, definition),
-        "pm" => definition.metalness = number(place, rest, definition),
+        "kd" => definition.diffuse = colour(place, arguments, definition),
+        "ks" => definition.specular = colour(place, arguments, definition),
+        "ns" => definition.exponent = number(place, arguments, definition),
+        "pr" => definition.roughness = number(place, arguments, definition),
+        "pm" => definition.metalness = number(place, arguments, definition),
         "ke" => {
-            definition.emission = colour(place, rest, definition);
+            definition.emission = colour(place, arguments, definition);
             if definition.emission.is_some_and(|emission| emission.max_element() > 1.0) {
                 definition.note_dropped(place, "emission brighter than 1 counts as 1");
             }
         }
-        "ka" => definition.ambient = colour(place, rest, definition),
-        "ni" => definition.ior = number(place, rest, definition),
-        "illum" => definition.model = number(place, rest, definition).map(|model| model as u32),
+        "ka" => definition.ambient = colour(place, arguments, definition),
+        "ni" => definition.ior = number(place, arguments, definition),
+        "illum" => definition.model = number(place, arguments, definition).map(|model| model as u32),
         "map_ke" => definition.images.emission = image(),
         "map_pr" => definition.images.roughness = image(),
         "map_pm" => definition.images.metalness = image(),
-        "tf" if first_number(rest).is_some_and(|number| number > 0.0) && lost_meaning(keyword, rest).is_none() => {
+        "tf" if first_number(arguments).is_some_and(|number| number > 0.0)
+            && lost_meaning(keyword, arguments).is_none() =>
+        {
             definition.transmission = Some(place.to_string());
         }
         "map_ns" => definition.exponent_image = definition.exponent_image.take().or_else(image),
@@ -271,7 +273,7 @@ fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Def
             definition.images.normal = image().map(|image| ImageStatement { is_normal_map: true, ..image });
         }
         _ => {
-            if let Some(sentence) = lost_meaning(keyword, rest) {
+            if let Some(sentence) = lost_meaning(keyword, arguments) {
                 definition.note_dropped(place, sentence);
             }
         }
@@ -279,12 +281,12 @@ fn read_statement(place: &Place, keyword: &str, rest: &str, definition: &mut Def
 }
 
 /// Returns the warning about a statement that is not read, or `None` if nothing is lost, for example because the
-/// statement has the default value.
-fn lost_meaning(keyword: &str, rest: &str) -> Option<&'static str> {
-    let numbers = || rest.split_whitespace().map_while(|word| word.parse::<f32>().ok());
+/// statement has the default value. `arguments` is the text after the keyword.
+fn lost_meaning(keyword: &str, arguments: &str) -> Option<&'static str> {
+    let numbers = || arguments.split_whitespace().map_while(|word| word.parse::<f32>().ok());
     let differs_from = |default: f32| numbers().any(|number| number != default);
-    // The option -halo precedes the number.
-    let opacity = rest.strip_prefix("-halo").unwrap_or(rest).split_whitespace().next();
+    // In a `d` statement, the option -halo may precede the number.
+    let opacity = arguments.strip_prefix("-halo").unwrap_or(arguments).split_whitespace().next();
     match keyword {
         "d" if opacity.and_then(|word| word.parse::<f32>().ok()).is_some_and(|number| number < 1.0) => {
             Some(TRANSPARENCY)
@@ -323,13 +325,14 @@ impl Definition {
 }
 
 /// Returns the number in the first word of a statement; `None` if it is no number, or not finite.
-fn first_number(rest: &str) -> Option<f32> {
-    rest.split_whitespace().next()?.parse().ok().filter(|v: &f32| v.is_finite())
+fn first_number(arguments: &str) -> Option<f32> {
+    arguments.split_whitespace().next()?.parse().ok().filter(|number: &f32| number.is_finite())
 }
 
-/// Returns the number in the first word of a statement; `None`, with a warning, if it is no finite number.
-fn number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32> {
-    let word = rest.split_whitespace().next().unwrap_or("");
+/// Returns the number in the first word of `arguments`, the text of a statement after its keyword. The result is
+/// `None`, with a warning, if the word is no finite number.
+fn number(place: &Place, arguments: &str, definition: &mut Definition) -> Option<f32> {
+    let word = arguments.split_whitespace().next().unwrap_or("");
     let stated = stated_number(word);
     let number = stated.map(|number| number as f32).filter(|number| number.is_finite());
     if number.is_none() {
@@ -347,9 +350,10 @@ fn number(place: &Place, rest: &str, definition: &mut Definition) -> Option<f32>
 }
 
 /// Returns the colour of a statement: three numbers, or one for all three channels. The result is `None`, with a
-/// warning, for another count, for words that are no finite numbers, and for spectral curves and CIE XYZ.
-fn colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3> {
-    let words: Vec<&str> = rest.split_whitespace().take_while(|word| !word.starts_with('#')).take(3).collect();
+/// warning, for another count, for words that are no finite numbers, and for spectral curves and CIE XYZ. `arguments`
+/// is the text after the keyword.
+fn colour(place: &Place, arguments: &str, definition: &mut Definition) -> Option<Vec3> {
+    let words: Vec<&str> = arguments.split_whitespace().take_while(|word| !word.starts_with('#')).take(3).collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
         definition.note_dropped(place, "colours as spectral curves or CIE XYZ are not supported and were ignored");
         return None;
@@ -358,8 +362,8 @@ fn colour(place: &Place, rest: &str, definition: &mut Definition) -> Option<Vec3
     match (&numbers[..], words.len()) {
         (&[r, g, b], _) => Some(Vec3::new(r, g, b)),
         (&[grey], 1) => Some(Vec3::splat(grey)),
-        (numbers, count) => {
-            if numbers.len() == count {
+        (numbers, word_count) => {
+            if numbers.len() == word_count {
                 definition.note_dropped(place, "a colour that has neither one number nor three was ignored");
             }
             None

@@ -10,10 +10,10 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// A part of a mesh while it is built. A vertex whose normal is zero has no normal yet.
+/// The mesh of one group of an OBJ file while it is built. A vertex whose normal is zero has no normal yet.
 struct GroupPart {
-    part: MeshPart,
-    /// Smoothing group of each triangle.
+    mesh_part: MeshPart,
+    /// Smoothing group of each triangle; 0 means no group.
     smoothing: Vec<u32>,
 }
 
@@ -38,13 +38,13 @@ pub(super) fn build(
     drop((vertices, faces));
 
     let mut smoothing = smoothing.into_iter();
-    let mut parts = Vec::new();
+    let mut groups = Vec::new();
     let mut without_area = 0;
     for tobj::Model { mesh, name } in models.into_iter().filter(|model| !model.mesh.indices.is_empty()) {
         let corners = world_vertices(path, &mesh, options)?;
         let material = mesh.material_id.unwrap_or_default();
-        let part = MeshPart { name, material, triangles: Vec::new(), has_tangents: false };
-        let mut part = GroupPart { part, smoothing: Vec::new() };
+        let mesh_part = MeshPart { name, material, triangles: Vec::new(), has_tangents: false };
+        let mut group = GroupPart { mesh_part, smoothing: Vec::new() };
         let mut start = 0;
         // tobj lists no numbers of corners (arities) if all faces of a group are triangles.
         let arities = match mesh.face_arities.is_empty() {
@@ -55,20 +55,20 @@ pub(super) fn build(
             let polygon: Vec<Vertex> =
                 mesh.indices[start..start + arity].iter().map(|&index| corners[index as usize]).collect();
             start += arity;
-            without_area += part.push(&polygon, smoothing.next().unwrap_or(0), options.handedness);
+            without_area += group.push(&polygon, smoothing.next().unwrap_or(0), options.handedness);
         }
-        parts.push(part);
+        groups.push(group);
     }
-    if parts.iter().all(|group| group.part.triangles.is_empty()) {
+    if groups.iter().all(|group| group.mesh_part.triangles.is_empty()) {
         return Err(Error::malformed(path, None, "no face of this file has an area"));
     }
     if without_area > 0 {
         let (plural, were) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
         warnings.push(format!("{}: {without_area} {plural} without area {were} left out", path.display()));
     }
-    parts.retain(|group| !group.part.triangles.is_empty());
-    fill_normals(&mut parts);
-    Ok(parts.into_iter().map(|group| group.part).collect())
+    groups.retain(|group| !group.mesh_part.triangles.is_empty());
+    fill_normals(&mut groups);
+    Ok(groups.into_iter().map(|group| group.mesh_part).collect())
 }
 
 /// Returns the vertices of a group in world space, in metres. A normal that is missing or has no length becomes zero.
@@ -116,7 +116,7 @@ impl GroupPart {
             if normals_point_behind(&triangle, cross.normalize()) {
                 triangle.swap(1, 2);
             }
-            self.part.triangles.push(triangle);
+            self.mesh_part.triangles.push(triangle);
             self.smoothing.push(smoothing);
         }
         without_area
@@ -129,21 +129,22 @@ impl GroupPart {
 /// angle at the vertex; weights by area would depend on the diagonal that splits a quad.
 fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
-    // The weighted sums of normals, by the bits of the position and the smoothing group; group 0 is none.
+    // The weighted sums of face normals, by the bits of the position and the smoothing group; group 0 means no group.
     let mut normal_sums: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {
-        for (triangle, &group) in part.part.triangles.iter().zip(&part.smoothing).filter(|(_, group)| **group != 0) {
-            let face = twice_area(triangle).normalize();
+        let smoothed = part.mesh_part.triangles.iter().zip(&part.smoothing).filter(|(_, group)| **group != 0);
+        for (triangle, &group) in smoothed {
+            let face_normal = twice_area(triangle).normalize();
             for (corner, vertex) in triangle.iter().enumerate().filter(|(_, vertex)| vertex.normal == [0.0; 3]) {
-                *normal_sums.entry(key(vertex, group)).or_default() += angle(triangle, corner) * face;
+                *normal_sums.entry(key(vertex, group)).or_default() += angle(triangle, corner) * face_normal;
             }
         }
     }
     for part in parts {
-        for (triangle, &group) in part.part.triangles.iter_mut().zip(&part.smoothing) {
-            let face = twice_area(triangle).normalize();
+        for (triangle, &group) in part.mesh_part.triangles.iter_mut().zip(&part.smoothing) {
+            let face_normal = twice_area(triangle).normalize();
             let stated = *triangle;
-            // Sets the normals that the file does not state, as `normal_of` gives them.
+            // Sets each normal that the file does not state to the normal that `normal_of` returns.
             let fill = |triangle: &mut Triangle, normal_of: &dyn Fn(&Vertex) -> DVec3| {
                 for (vertex, stated) in triangle.iter_mut().zip(&stated).filter(|(_, vertex)| vertex.normal == [0.0; 3])
                 {
@@ -152,14 +153,15 @@ fn fill_normals(parts: &mut [GroupPart]) {
                 }
             };
             fill(triangle, &|vertex| {
-                let mean = normal_sums.get(&key(vertex, group)).map_or(face, |sum| sum.normalize_or_zero());
+                let mean_normal =
+                    normal_sums.get(&key(vertex, group)).map_or(face_normal, |sum| sum.normalize_or_zero());
                 // At a sharp fold, the mean may point behind the face.
-                if mean.dot(face) > 0.0 { mean } else { face }
+                if mean_normal.dot(face_normal) > 0.0 { mean_normal } else { face_normal }
             });
             // If stated normals lean behind the face, the sum with a mean normal that is almost perpendicular to the
             // face may point to its back.
-            if normals_point_behind(triangle, face) {
-                fill(triangle, &|_| face);
+            if normals_point_behind(triangle, face_normal) {
+                fill(triangle, &|_| face_normal);
             }
         }
     }
@@ -170,7 +172,7 @@ fn position(vertex: &Vertex) -> DVec3 {
     Vec3::from(vertex.position).as_dvec3()
 }
 
-/// Returns (b − a) × (c − a), the normal of the face with twice the triangle's area as its length.
+/// Returns (b − a) × (c − a) for the corners of a triangle: its normal, with twice its area as the length.
 fn twice_area(triangle: &Triangle) -> DVec3 {
     let [a, b, c] = triangle.each_ref().map(position);
     (b - a).cross(c - a)
@@ -193,37 +195,38 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
     if polygon.len() <= 3 {
         return fan(&corners);
     }
-    let flat = project(polygon);
+    let projected = project(polygon);
     // Positive if the corners a, b and c turn to the left, and negative if they turn to the right.
     let turn = |a: usize, b: usize, c: usize| {
         #[cfg(test)]
         tests::TURNS.set(tests::TURNS.get() + 1);
-        (flat[b] - flat[a]).perp_dot(flat[c] - flat[b])
+        (projected[b] - projected[a]).perp_dot(projected[c] - projected[b])
     };
-    let n = polygon.len();
-    if (0..n).all(|i| turn(i, (i + 1) % n, (i + 2) % n) >= 0.0) {
+    let count = polygon.len();
+    if (0..count).all(|corner| turn(corner, (corner + 1) % count, (corner + 2) % count) >= 0.0) {
         return fan(&corners);
     }
-    let mut triangles = Vec::with_capacity(n - 2);
+    let mut triangles = Vec::with_capacity(count - 2);
+    // Returns true if the triangle at the corner number `tip` of the remaining polygon is an ear.
     let is_ear = |corners: &[usize], tip: usize| {
-        let n = corners.len();
-        let [a, b, c] = [corners[(tip + n - 1) % n], corners[tip], corners[(tip + 1) % n]];
+        let count = corners.len();
+        let [a, b, c] = [corners[(tip + count - 1) % count], corners[tip], corners[(tip + 1) % count]];
         let is_inside = |other: usize| {
-            let is_apart = [a, b, c].iter().all(|&corner| flat[corner] != flat[other]);
+            let is_apart = [a, b, c].iter().all(|&corner| projected[corner] != projected[other]);
             is_apart && turn(a, b, other) >= 0.0 && turn(b, c, other) >= 0.0 && turn(c, a, other) >= 0.0
         };
         turn(a, b, c) > 0.0 && !corners.iter().any(|&other| is_inside(other))
     };
     // In a polygon that does not cross itself, cutting off an ear can change only whether its two neighbours are ears.
     // The work therefore grows with the square of the number of corners.
-    let mut ears: Vec<bool> = (0..n).map(|i| is_ear(&corners, i)).collect();
+    let mut ears: Vec<bool> = (0..count).map(|tip| is_ear(&corners, tip)).collect();
     while corners.len() > 3 {
         let Some(ear) = ears.iter().position(|&ear| ear) else { break };
-        let n = corners.len();
-        triangles.push([corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]]);
+        let count = corners.len();
+        triangles.push([corners[(ear + count - 1) % count], corners[ear], corners[(ear + 1) % count]]);
         corners.remove(ear);
         ears.remove(ear);
-        for neighbour in [(ear + n - 2) % (n - 1), ear % (n - 1)] {
+        for neighbour in [(ear + count - 2) % (count - 1), ear % (count - 1)] {
             ears[neighbour] = is_ear(&corners, neighbour);
         }
     }
@@ -268,18 +271,18 @@ mod tests {
             // A face perpendicular to both.
             [corner(shared, none), corner([0.447, 1.0, 0.894], none), corner([0.0, 2.0, 0.0], none)],
         ];
-        let part = MeshPart { name: String::new(), material: 0, triangles, has_tangents: false };
-        let mut parts = [GroupPart { part, smoothing: vec![1; 3] }];
+        let mesh_part = MeshPart { name: String::new(), material: 0, triangles, has_tangents: false };
+        let mut parts = [GroupPart { mesh_part, smoothing: vec![1; 3] }];
         fill_normals(&mut parts);
-        let triangle = &parts[0].part.triangles[0];
+        let triangle = &parts[0].mesh_part.triangles[0];
         let face = twice_area(triangle).normalize();
         assert!(!normals_point_behind(triangle, face), "{triangle:?}");
         assert_eq!((triangle[0].normal, triangle[2].normal), (lean, lean), "what is stated stays");
         assert!(Vec3::from(triangle[1].normal).as_dvec3().dot(face) > 0.999, "{triangle:?}");
     }
 
-    /// Returns the sum of the areas of triangles, and the same with signs; the two are equal if all triangles have the
-    /// same orientation.
+    /// Returns the sum of the areas of the triangles of a flat polygon, and the same sum with signs. The two are equal
+    /// if all triangles have the same orientation.
     fn area(polygon: &[DVec3], triangles: &[[usize; 3]]) -> (f64, f64) {
         let cross = |&[a, b, c]: &[usize; 3]| (polygon[b] - polygon[a]).cross(polygon[c] - polygon[a]);
         let sum: DVec3 = triangles.iter().map(cross).sum();

@@ -39,7 +39,7 @@ pub(super) struct Statements {
     pub smoothing: Vec<u32>,
 }
 
-/// What a first reading of a file finds and a second reading needs.
+/// The numbers that a first reading of a file finds, and that a second reading needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct FirstReading {
     /// Upper bounds of the numbers of vertices, texture coordinates and normals.
@@ -61,26 +61,26 @@ pub(super) fn normalise(
     scale: f32,
     warnings: &mut Vec<String>,
 ) -> Result<Statements> {
-    let read_text = |known: FirstReading| {
-        let mut scan = Scan::new(path, known);
+    let read_text = |first_reading: FirstReading| {
+        let mut scan = Scan::new(path, first_reading);
         for (line, statement) in logical_lines(text) {
             scan.line = line;
             scan.read_statement(&statement)?;
         }
         Ok(scan)
     };
-    let mut known = FirstReading { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
-    let mut scan = read_text(known)?;
+    let mut first_reading = FirstReading { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
+    let mut scan = read_text(first_reading)?;
     let scale = f64::from(scale);
     let far = far_origin(scan.bounds.map(|corner| corner * scale)).filter(|_| origin.is_none());
     if let Some(far) = &far {
         warnings.push(format!("{}: {}", path.display(), far.sentence()));
-        known.origin = far.centre / scale;
+        first_reading.origin = far.centre / scale;
     }
-    *origin = Some(known.origin);
+    *origin = Some(first_reading.origin);
     if far.is_some() || scan.refers_to_missing_attributes() {
-        known.counts = scan.counters.each_ref().map(|counter| counter.count);
-        scan = read_text(known)?;
+        first_reading.counts = scan.counters.each_ref().map(|counter| counter.count);
+        scan = read_text(first_reading)?;
     }
     scan.finish(warnings)
 }
@@ -104,7 +104,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// What was counted of one of the three lists that faces refer to.
+/// The counts of one of the three lists that faces refer to: vertices, texture coordinates and normals.
 #[derive(Debug, Default)]
 struct Counter {
     /// Number of entries so far.
@@ -118,10 +118,10 @@ struct Counter {
 /// One reading of a file, statement by statement.
 struct Scan<'a> {
     path: &'a Path,
-    known: FirstReading,
+    first_reading: FirstReading,
     /// The line of the current statement.
     line: usize,
-    out: Statements,
+    output: Statements,
     counters: [Counter; 3],
     /// The least and the greatest coordinates of the vertices, as written in the file.
     bounds: [DVec3; 2],
@@ -135,7 +135,7 @@ struct Scan<'a> {
     dropped: BTreeMap<&'static str, usize>,
 }
 
-/// The names, for errors, of the entries of the three lists that faces refer to, in the order of the counters.
+/// The names, in messages, of an entry of each of the three lists that faces refer to, in the order of the counters.
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Statements of free-form curves and surfaces, which have no corners.
@@ -149,8 +149,8 @@ const DRAWING_HINTS: [&str; 8] = ["bevel", "c_interp", "d_interp", "lod", "shado
 
 impl<'a> Scan<'a> {
     /// Makes a reading before its first statement. Its output begins with the NaN entries.
-    fn new(path: &'a Path, known: FirstReading) -> Self {
-        let out = Statements {
+    fn new(path: &'a Path, first_reading: FirstReading) -> Self {
+        let output = Statements {
             vertices: "vt NaN NaN\nvn NaN NaN NaN\n".into(),
             faces: String::from("mtllib all\n"),
             material_names: Vec::new(),
@@ -159,7 +159,7 @@ impl<'a> Scan<'a> {
         };
         let (counters, materials, dropped) = Default::default();
         let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        Self { path, known, line: 0, out, counters, bounds, triangles: 0, smoothing: 0, materials, dropped }
+        Self { path, first_reading, line: 0, output, counters, bounds, triangles: 0, smoothing: 0, materials, dropped }
     }
 
     /// Makes an error at the current line.
@@ -175,20 +175,21 @@ impl<'a> Scan<'a> {
 
     /// Reads one statement, and adds it in plain form to the output.
     fn read_statement(&mut self, statement: &str) -> Result<()> {
-        let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
+        let (keyword, arguments) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
         let keyword = keyword.to_ascii_lowercase();
         match keyword.as_str() {
-            "v" => self.read_numbers(0, rest, 3, 3)?,
-            "vt" => self.read_numbers(1, rest, 1, 2)?,
-            "vn" => self.read_numbers(2, rest, 3, 3)?,
-            "f" | "fo" => self.read_face(rest)?,
+            // The index into `KINDS`, and the least and the greatest count of the numbers that are read.
+            "v" => self.read_numbers(0, arguments, 3, 3)?,
+            "vt" => self.read_numbers(1, arguments, 1, 2)?,
+            "vn" => self.read_numbers(2, arguments, 3, 3)?,
+            "f" | "fo" => self.read_face(arguments)?,
             "g" | "o" => {
                 // Writing to a String cannot fail.
-                let _ = writeln!(self.out.faces, "g {}", rest.trim());
+                let _ = writeln!(self.output.faces, "g {}", arguments.trim());
             }
-            "s" => self.smoothing = smoothing_group(rest),
-            "usemtl" => self.use_material(rest.trim()),
-            "mtllib" => self.out.libraries.push((self.line, rest.trim().to_owned())),
+            "s" => self.smoothing = smoothing_group(arguments),
+            "usemtl" => self.use_material(arguments.trim()),
+            "mtllib" => self.output.libraries.push((self.line, arguments.trim().to_owned())),
             "l" | "p" => self.note_dropped("lines and points are not drawn"),
             "call" => self.note_dropped("files that the statement call names are not read"),
             "usemap" | "maplib" => self.note_dropped("usemap and maplib are not supported and were ignored"),
@@ -204,8 +205,8 @@ impl<'a> Scan<'a> {
     /// Reads a vertex, texture coordinate or normal; `kind` is an index into [`KINDS`]. The statement must have at
     /// least `needed` numbers. The first `used` numbers are read, and missing ones become 0. Further numbers (weights,
     /// colours) are ignored.
-    fn read_numbers(&mut self, kind: usize, rest: &str, needed: usize, used: usize) -> Result<()> {
-        let mut words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
+    fn read_numbers(&mut self, kind: usize, arguments: &str, needed: usize, used: usize) -> Result<()> {
+        let mut words = arguments.split_whitespace().take_while(|word| !word.starts_with('#'));
         let mut stated = ["0"; 3];
         let mut numbers = [0.0_f64; 3];
         for i in 0..used {
@@ -253,31 +254,31 @@ impl<'a> Scan<'a> {
     /// Writes a statement with its numbers as stated; `kind` is an index into [`KINDS`]. A vertex also widens the
     /// bounds. If the scene is moved, the origin is subtracted from the vertex, whose values are `numbers`.
     fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
-        self.out.vertices.push_str(["v", "vt", "vn"][kind]);
+        self.output.vertices.push_str(["v", "vt", "vn"][kind]);
         if kind == 0 {
             self.bounds = [self.bounds[0].min(numbers), self.bounds[1].max(numbers)];
         }
-        if kind == 0 && self.known.origin != DVec3::ZERO {
-            let DVec3 { x, y, z } = numbers - self.known.origin;
+        if kind == 0 && self.first_reading.origin != DVec3::ZERO {
+            let DVec3 { x, y, z } = numbers - self.first_reading.origin;
             // Writing to a String cannot fail.
-            let _ = write!(self.out.vertices, " {} {} {}", x as f32, y as f32, z as f32);
+            let _ = write!(self.output.vertices, " {} {} {}", x as f32, y as f32, z as f32);
         } else {
             for word in stated {
-                self.out.vertices.push(' ');
-                self.out.vertices.push_str(word);
+                self.output.vertices.push(' ');
+                self.output.vertices.push_str(word);
             }
         }
-        self.out.vertices.push('\n');
+        self.output.vertices.push('\n');
     }
 
     /// Reads a face, and writes it with absolute indices. A face of one or two corners is dropped.
-    fn read_face(&mut self, rest: &str) -> Result<()> {
-        if self.out.material_names.is_empty() {
+    fn read_face(&mut self, arguments: &str) -> Result<()> {
+        if self.output.material_names.is_empty() {
             self.use_material(NO_MATERIAL);
         }
-        let mut face = String::with_capacity(rest.len() + 16);
+        let mut face = String::with_capacity(arguments.len() + 16);
         let mut corners = 0;
-        for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
+        for word in arguments.split_whitespace().take_while(|word| !word.starts_with('#')) {
             let [v, vt, vn] = self.corner(word)?;
             // The NaN entry, which stands for a missing attribute, has the number 1, so that all others move by one.
             let _ = write!(face, " {v}/{}/{}", vt + 1, vn + 1);
@@ -296,10 +297,10 @@ impl<'a> Scan<'a> {
         if self.triangles > MAX_COUNT {
             return Err(self.error(format!("there are more than {MAX_COUNT} triangles")));
         }
-        self.out.faces.push('f');
-        self.out.faces.push_str(&face);
-        self.out.faces.push('\n');
-        self.out.smoothing.push(self.smoothing);
+        self.output.faces.push('f');
+        self.output.faces.push_str(&face);
+        self.output.faces.push('\n');
+        self.output.smoothing.push(self.smoothing);
         Ok(())
     }
 
@@ -319,7 +320,7 @@ impl<'a> Scan<'a> {
             };
             let count = self.counters[kind].count;
             let absolute = if stated < 0 { stated.saturating_add(count as i64 + 1) } else { stated };
-            let greatest = if kind == 0 { MAX_COUNT } else { self.known.counts[kind] };
+            let greatest = if kind == 0 { MAX_COUNT } else { self.first_reading.counts[kind] };
             if absolute < 1 || absolute as u64 > MAX_COUNT.min(greatest) as u64 {
                 if kind == 0 {
                     return Err(self.out_of_range(kind, stated, count));
@@ -339,8 +340,8 @@ impl<'a> Scan<'a> {
         Ok(indices)
     }
 
-    /// Makes the error about an index that a face states in a list of only `count` entries; `kind` is an index into
-    /// [`KINDS`].
+    /// Makes the error about a face that states the index `stated` in a list of only `count` entries; `kind` is an
+    /// index into [`KINDS`].
     fn out_of_range(&self, kind: usize, stated: i64, count: usize) -> Error {
         let name = KINDS[kind];
         self.error(format!("a face refers to {name} {stated}, but there are {count}"))
@@ -349,12 +350,12 @@ impl<'a> Scan<'a> {
     /// Makes a material the current one; an empty name stands for [`NO_MATERIAL`].
     fn use_material(&mut self, name: &str) {
         let name = if name.is_empty() { NO_MATERIAL } else { name };
-        let names = &mut self.out.material_names;
+        let names = &mut self.output.material_names;
         let index = *self.materials.entry(name.to_owned()).or_insert_with(|| {
             names.push(name.to_owned());
             names.len() - 1
         });
-        let _ = writeln!(self.out.faces, "usemtl {index}");
+        let _ = writeln!(self.output.faces, "usemtl {index}");
     }
 
     /// Returns true if faces refer to texture coordinates or normals that the file lacks.
@@ -371,19 +372,19 @@ impl<'a> Scan<'a> {
             return Err(self.out_of_range(0, highest as i64, count));
         }
         // `smoothing` has an entry for each face.
-        if self.out.smoothing.is_empty() {
+        if self.output.smoothing.is_empty() {
             return Err(Error::malformed(self.path, None, "there are no faces in this file"));
         }
         let place = self.path.display();
         warnings.extend(self.dropped.iter().map(|(sentence, line)| format!("{place}:{line}: {sentence}")));
-        Ok(self.out)
+        Ok(self.output)
     }
 }
 
 /// Returns the smoothing group that a statement sets; 0 is none, as for `off` and `null`. Only the first word counts,
 /// since a comment may follow it. Some programs write `on`, which names no group, and counts as group 1.
-fn smoothing_group(rest: &str) -> u32 {
-    match rest.split_whitespace().next() {
+fn smoothing_group(arguments: &str) -> u32 {
+    match arguments.split_whitespace().next() {
         Some(word) if word.eq_ignore_ascii_case("on") => 1,
         Some(word) => word.parse().unwrap_or(0),
         None => 0,

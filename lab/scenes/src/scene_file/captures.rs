@@ -42,11 +42,11 @@ pub(crate) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
         );
         return Err(source.error(section.span(), message));
     }
-    let checked = |given: &Spanned<[[f32; 3]; 2]>| {
+    let checked_bounds = |stated: &Spanned<[[f32; 3]; 2]>| {
         let message = "bounds must be the least and the greatest corner of a box, of finite numbers";
-        Aabb::between(*given.get_ref()).ok_or_else(|| source.error(given.span(), message))
+        Aabb::between(*stated.get_ref()).ok_or_else(|| source.error(stated.span(), message))
     };
-    let bounds = list.bounds.as_ref().map_or(Ok(Aabb::ALL), checked)?;
+    let bounds = list.bounds.as_ref().map_or(Ok(Aabb::ALL), checked_bounds)?;
     Ok((captures, bounds))
 }
 
@@ -68,7 +68,7 @@ pub(super) struct CaptureSection {
 /// than `[[capture]]` tables.
 pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
     let source = SourceText { path, text };
-    // Everything in a text but its captures, which must be the same before and after the replacement.
+    // Parses everything in a text but its captures, which must be the same before and after the replacement.
     let without_captures = |text: &str| {
         let mut table: toml::Table = toml::from_str(text)?;
         table.remove("capture");
@@ -103,7 +103,7 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
     Ok(new_text)
 }
 
-/// Returns the coordinates of the positions in a scene file. Its other contents may be faulty.
+/// Returns the coordinates of the positions in a scene file, whose other contents may be faulty.
 fn coordinates(file: &toml::Table) -> Handedness {
     let stated = |key: &str| file.get(key).and_then(|value| value.clone().try_into().ok());
     let meshes = file.get("mesh").and_then(toml::Value::as_array).into_iter().flatten();
@@ -120,7 +120,7 @@ impl SourceText<'_> {
     pub(super) fn captures(&self, sections: &[Spanned<CaptureSection>], extra_scale: f32) -> Result<Vec<Capture>> {
         let mut captures: Vec<Capture> = Vec::new();
         for section in sections {
-            let span = || section.get_ref().resolution.as_ref().map_or(section.span(), Spanned::span);
+            let resolution_span = || section.get_ref().resolution.as_ref().map_or(section.span(), Spanned::span);
             let capture = self.capture(section.get_ref(), extra_scale)?;
             if captures.len() == MAX_CAPTURES {
                 return Err(self.error(section.span(), format!("a scene has at most {MAX_CAPTURES} captures")));
@@ -132,7 +132,7 @@ impl SourceText<'_> {
                     "all captures of a scene have one resolution: this one has {}, the first has {first}",
                     capture.resolution
                 );
-                return Err(self.error(span(), message));
+                return Err(self.error(resolution_span(), message));
             }
             captures.push(capture);
         }
@@ -142,11 +142,11 @@ impl SourceText<'_> {
     /// Reads and checks one `[[capture]]` table, whose lengths are multiplied by `extra_scale`.
     fn capture(&self, section: &CaptureSection, extra_scale: f32) -> Result<Capture> {
         let resolution = match &section.resolution {
-            Some(given) if !(1..=MAX_RESOLUTION).contains(given.get_ref()) => {
-                let message = format!("resolution must lie in 1 to {MAX_RESOLUTION}, but is {}", given.get_ref());
-                return Err(self.error(given.span(), message));
+            Some(stated) if !(1..=MAX_RESOLUTION).contains(stated.get_ref()) => {
+                let message = format!("resolution must lie in 1 to {MAX_RESOLUTION}, but is {}", stated.get_ref());
+                return Err(self.error(stated.span(), message));
             }
-            given => given.as_ref().map_or(Capture::RESOLUTION, |resolution| *resolution.get_ref()),
+            stated => stated.as_ref().map_or(Capture::RESOLUTION, |resolution| *resolution.get_ref()),
         };
         let mut near_m = Capture::NEAR_M * extra_scale;
         if let Some(near) = &section.near {

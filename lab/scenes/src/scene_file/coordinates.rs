@@ -7,10 +7,10 @@ use glam::Vec3;
 
 impl Handedness {
     /// Returns the coordinates of the positions in a scene file. They are `stated`, the value of the key `coordinates`,
-    /// if the file has this key; else `of_obj`, the stated handedness of its OBJ files, if it has any. The default is
-    /// right-handed, as in glTF.
-    pub(super) fn of_places(stated: Option<Self>, of_obj: Option<Self>, has_obj: bool) -> Self {
-        stated.or(of_obj.filter(|_| has_obj)).unwrap_or_default()
+    /// if the file has this key; else `obj_handedness`, the value of the key `handedness`, if the file names any OBJ
+    /// file (`has_obj`). The default is right-handed, as in glTF.
+    pub(super) fn of_places(stated: Option<Self>, obj_handedness: Option<Self>, has_obj: bool) -> Self {
+        stated.or(obj_handedness.filter(|_| has_obj)).unwrap_or_default()
     }
 
     /// Converts a position or a direction from these coordinates to the program's own, or back.
@@ -96,8 +96,8 @@ impl Handedness {
         AreaLight { shape, ..light }
     }
 
-    /// Reverses an edge of a rectangle in right-handed coordinates, in which [`Self::mirrored`] turns the front of the
-    /// rectangle into its back. In left-handed coordinates, returns the edge itself.
+    /// Reverses the edge of a rectangle if it comes from right-handed coordinates, since [`Self::mirrored`] then turns
+    /// the front of the rectangle into its back. In left-handed coordinates, returns the edge itself.
     fn reversed_edge(self, edge: Vec3) -> Vec3 {
         match self {
             Self::Left => edge,

@@ -77,7 +77,7 @@ impl SourceText<'_> {
                 None => Vec3::ZERO,
             };
             let degrees = turn_deg.unwrap_or(0.0);
-            if turns_deg.last().is_some_and(|before: &f32| (degrees - before).abs() >= HALF_TURN_DEG) {
+            if turns_deg.last().is_some_and(|previous: &f32| (degrees - previous).abs() >= HALF_TURN_DEG) {
                 let message = "turn_deg must change by less than 180 from one key frame to the next";
                 return Err(self.error(section.span(), message));
             }
@@ -85,13 +85,14 @@ impl SourceText<'_> {
             offsets.push((coordinates.mirrored(offset) + pivot).to_array());
             turns_deg.push(degrees);
         }
+        // The turn of a key frame as a quaternion.
         let turn =
             |degrees: f32| Quat::from_axis_angle(axis, coordinates.mirrored_angle(degrees.to_radians())).to_array();
         let turns = turns_deg.into_iter().map(turn).collect();
         let span = key.first().map_or(mesh.span(), Spanned::span);
-        let wrong = |clause: &str| self.error(span.clone(), format!("motion {name} {clause}"));
-        let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(wrong)?;
-        let turns = Keys::new(times, turns, Interpolation::Linear).map_err(wrong)?;
+        let motion_error = |clause: &str| self.error(span.clone(), format!("motion {name} {clause}"));
+        let offsets = Keys::new(times.clone(), offsets, Interpolation::Linear).map_err(motion_error)?;
+        let turns = Keys::new(times, turns, Interpolation::Linear).map_err(motion_error)?;
         // The inner node moves the pivot to the origin. The outer node turns the meshes there, and moves them to the
         // pivot plus the offset.
         let nodes = vec![

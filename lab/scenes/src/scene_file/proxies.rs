@@ -131,12 +131,13 @@ impl SourceText<'_> {
         Ok(AreaLight { shape, radiance })
     }
 
-    /// Reads the two half vectors of a rectangle, which must not be zero and must be orthogonal.
+    /// Reads the two half vectors of a rectangle (from its centre to the middles of two edges), which must not be zero
+    /// and must be orthogonal.
     fn half_vectors(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
         let (u, v) = (self.vector("half_u", half_u)?, self.vector("half_v", half_v)?);
-        for (what, vector, source) in [("half_u", u, half_u), ("half_v", v, half_v)] {
+        for (key, vector, stated) in [("half_u", u, half_u), ("half_v", v, half_v)] {
             if vector.try_normalize().is_none() {
-                return Err(self.error(source.span(), format!("{what} must not be zero")));
+                return Err(self.error(stated.span(), format!("{key} must not be zero")));
             }
         }
         if u.normalize().dot(v.normalize()).abs() > MOST_COSINE {

@@ -8,7 +8,7 @@ use ssct_ground::math::noise::{fractal, smoothstep};
 use std::f32::consts::{PI, TAU};
 
 /// Builds all furnishing.
-pub fn all() -> Vec<MeshBuilder> {
+pub fn build() -> Vec<MeshBuilder> {
     [curtains(), banners(), vases(), planters(), lion()].into_iter().flatten().collect()
 }
 
@@ -39,7 +39,8 @@ fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     const HEIGHT_M: f32 = 2.7;
     /// Height of the tie, as a share of the curtain's height.
     const TIE: f32 = 0.42;
-    // The point of the cloth at the share s of its width and t of its height; its x is a share of the width.
+    // Returns the point of the cloth at the share s of its width and t of its height, and s itself. The x of the point
+    // is a share of the width.
     let surface = |s: f32, t: f32| {
         let above_tie = ((t - TIE) / (1.0 - TIE)).max(0.0);
         let below_tie = ((TIE - t) / TIE).max(0.0);
@@ -52,8 +53,8 @@ fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     mesh.surface(foot, [48, 14], |s, t| {
         // A curtain towards −x is mirrored, so that the two of a pair have their front on the same side.
         let along = if right > 0.0 { s } else { 1.0 - s };
-        let (point, cloth) = surface(along, t);
-        (Vec3::new(point.x * width, point.y, point.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT_M))
+        let (point, width_share) = surface(along, t);
+        (Vec3::new(point.x * width, point.y, point.z), Vec2::new(width_share * right * 1.4 * width.abs(), t * HEIGHT_M))
     });
 }
 
@@ -69,11 +70,11 @@ fn rod(mesh: &mut MeshBuilder, from: Vec3, to: Vec3, radius: f32) {
 /// Builds cloths that hang over the parapets, one in each bay.
 fn banners() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
-    for (row, (z, court)) in [(LINES_Z[1], 1.0), (LINES_Z[2], -1.0)].into_iter().enumerate() {
+    for (row, (z, court_sign)) in [(LINES_Z[1], 1.0), (LINES_Z[2], -1.0)].into_iter().enumerate() {
         for (bay, x) in LINES_X[1..7].windows(2).enumerate() {
             let mut cloth = mesh("banner", CLOTH + (bay + 2 * row + 1) % 3);
             let origin = Vec3::new(0.5 * (x[0] + x[1]), PARAPET + 0.03, z);
-            cloth.surface(origin, [24, 16], |s, t| banner(s, t, court));
+            cloth.surface(origin, [24, 16], |s, t| banner(s, t, court_sign));
             parts.push(cloth);
         }
     }
@@ -81,27 +82,30 @@ fn banners() -> Vec<MeshBuilder> {
 }
 
 /// Returns a point of a banner, and its texture coordinates in metres. The banner runs from its lower end in the court
-/// over the parapet into the gallery. `s` and `t` run from 0 to 1 across and along the cloth; `court` is the sign of z
-/// towards the court.
-fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
+/// over the parapet into the gallery. `s` and `t` run from 0 to 1 across and along the cloth; `court_sign` is the sign
+/// of z towards the court.
+fn banner(s: f32, t: f32, court_sign: f32) -> (Vec3, Vec2) {
     const WIDTH_M: f32 = 2.2;
     /// The length that hangs into the court, in metres.
     const OUTSIDE: f32 = 1.45;
     /// Half the length that lies on the parapet, in metres.
-    const ROUND: f32 = 0.42;
-    let across = WIDTH_M * (s - 0.5) * court;
-    let length = OUTSIDE + 2.0 * ROUND + 0.3;
+    const HALF_TOP: f32 = 0.42;
+    let across = WIDTH_M * (s - 0.5) * court_sign;
+    let length = OUTSIDE + 2.0 * HALF_TOP + 0.3;
     // The distance along the cloth from its lower end, and how far below the parapet the cloth hangs in the court.
     let run = t * length;
     let hanging = (OUTSIDE - run).max(0.0);
     let hem = 0.12 * (TAU * 2.0 * s).cos() * smoothstep(OUTSIDE, 0.0, run);
     let folds = 0.035 * (TAU * 5.0 * s).sin() * smoothstep(0.0, 0.8, hanging);
     // The share of the way over the parapet, and how far below it the cloth hangs in the gallery.
-    let share_over_parapet = ((run - OUTSIDE) / (2.0 * ROUND)).clamp(0.0, 1.0);
-    let hanging_in_gallery = (run - OUTSIDE - 2.0 * ROUND).max(0.0);
+    let share_over_parapet = ((run - OUTSIDE) / (2.0 * HALF_TOP)).clamp(0.0, 1.0);
+    let hanging_in_gallery = (run - OUTSIDE - 2.0 * HALF_TOP).max(0.0);
     let (sin, cos) = (PI * share_over_parapet).sin_cos();
-    let position =
-        Vec3::new(across, 0.10 * sin - hanging - hanging_in_gallery + hem, court * (ROUND * cos + folds + 0.03));
+    let position = Vec3::new(
+        across,
+        0.10 * sin - hanging - hanging_in_gallery + hem,
+        court_sign * (HALF_TOP * cos + folds + 0.03),
+    );
     (position, Vec2::new(WIDTH_M * (s - 0.5), run))
 }
 
@@ -183,18 +187,18 @@ fn lion() -> Vec<MeshBuilder> {
 
 /// Returns the height of the lion's head above the plate, in metres, at a point of the unit disc with y up.
 fn lion_relief(point: Vec2) -> f32 {
-    let r = point.length();
+    let radius = point.length();
     let angle = atan2(point.y, point.x);
-    // A bump of height 1 around (x, y) and its mirror image at −x.
+    // A Gaussian bump of height 1 around (x, y) and its mirror image at −x, `width` wide in x and `height` high in y.
     let lump = |x: f32, y: f32, width: f32, height: f32| {
         let offset = Vec2::new((point.x.abs() - x) / width, (point.y - y) / height);
         (-offset.length_squared()).exp()
     };
-    let border = 0.07 * smoothstep(0.88, 0.90, r) * smoothstep(1.0, 0.985, r);
-    let locks = (0.5 + 0.5 * (angle * 13.0 + 0.9 * (r * 11.0).sin()).sin()).sqrt();
-    let tiers = 0.5 + 0.5 * (r * 22.0 + 1.5 * (angle * 13.0).sin()).sin();
-    let hair = smoothstep(0.46, 0.56, r) * (0.07 * locks + 0.03 * tiers);
-    let mane = smoothstep(0.87, 0.70, r) * (0.08 + hair);
+    let border = 0.07 * smoothstep(0.88, 0.90, radius) * smoothstep(1.0, 0.985, radius);
+    let locks = (0.5 + 0.5 * (angle * 13.0 + 0.9 * (radius * 11.0).sin()).sin()).sqrt();
+    let tiers = 0.5 + 0.5 * (radius * 22.0 + 1.5 * (angle * 13.0).sin()).sin();
+    let hair = smoothstep(0.46, 0.56, radius) * (0.07 * locks + 0.03 * tiers);
+    let mane = smoothstep(0.87, 0.70, radius) * (0.08 + hair);
     let face = Vec2::new(point.x * 1.1, point.y * 0.9 - 0.02).length();
     let skull = 0.17 * smoothstep(0.52, 0.36, face) + 0.08 * smoothstep(0.45, 0.1, face);
     let ears = 0.10 * lump(0.36, 0.40, 0.09, 0.10);

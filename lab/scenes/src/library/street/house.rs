@@ -75,6 +75,7 @@ enum Filling {
 pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
     let names = mesh_names(front.name);
     let mut wall = front.wall.renamed(&names[0]);
+    // Each mesh has the index of its name in `names`, and its material.
     let [mut trim, mut dark, mut lit, mut shops, mut doors, mut glass] =
         [(1, TRIM), (2, DARK_PANE), (3, LIT_PANE), (4, SHOP), (5, DOOR), (6, DARK_GLASS)]
             .map(|(part, material)| MeshBuilder::new(names[part].as_str(), material, 1.0));
@@ -87,9 +88,9 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
         face.reveals(&mut trim, rect, RECESS_M);
         match filling {
             Filling::Pane => {
-                // A random number, computed from the opening's number and the house, decides whether the room is lit.
-                let place = IVec2::new(number as i32, (front.height * 10.0) as i32 + front.span[0] as i32);
-                let pane = if unit(place, 467) < LIT_SHARE { &mut lit } else { &mut dark };
+                // A hash of the opening's number and of the house, from 0 to 1, decides whether the room is lit.
+                let hash_input = IVec2::new(number as i32, (front.height * 10.0) as i32 + front.span[0] as i32);
+                let pane = if unit(hash_input, 467) < LIT_SHARE { &mut lit } else { &mut dark };
                 face.picture(pane, rect, -RECESS_M);
                 let sill = Rect::new([rect.min.x - 0.1, rect.max.x + 0.1], [rect.min.y - 0.1, rect.min.y]);
                 face.block(&mut trim, sill, [-0.05, 0.1]);
@@ -119,13 +120,13 @@ pub fn build(front: &HouseFront) -> Vec<MeshBuilder> {
             }
         }
     }
-    // A horizontal band above the ground floor, and a cornice of two bands at the top.
+    // A horizontal band above the ground floor, and a cornice of two bands at the top, with how far they project.
     let [from, to] = front.span;
     let top = front.height;
-    for (y, out) in
+    for (heights, out) in
         [([GROUND_M - 0.12, GROUND_M + 0.12], 0.12), ([top - 0.5, top - 0.28], 0.16), ([top - 0.28, top], 0.34)]
     {
-        face.block(&mut trim, Rect::new([from + 0.02, to - 0.02], y), [-0.05, out]);
+        face.block(&mut trim, Rect::new([from + 0.02, to - 0.02], heights), [-0.05, out]);
     }
     let mut meshes = vec![wall, trim, dark, lit, shops, doors, glass];
     meshes.retain(|mesh| !mesh.is_empty());
@@ -137,19 +138,19 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
     let [from, to] = front.span;
     let count = ((to - from) / BAY_M).floor().max(1.0) as usize;
     let bay_width = (to - from) / count as f32;
-    let middle = |bay: usize| from + (bay as f32 + 0.5) * bay_width;
-    let window = |bay: usize, floor: f32| {
-        let [x, y] = [middle(bay), floor + SILL_M];
+    let bay_middle = |bay: usize| from + (bay as f32 + 0.5) * bay_width;
+    let window = |bay: usize, floor_y: f32| {
+        let [x, y] = [bay_middle(bay), floor_y + SILL_M];
         Rect::new([x - 0.5 * WINDOW_M[0], x + 0.5 * WINDOW_M[0]], [y, y + WINDOW_M[1]])
     };
-    let mut all = Vec::new();
-    let mut add = |rect: Rect, filling: Filling| all.push(Opening { rect, filling });
+    let mut openings = Vec::new();
+    let mut add = |rect: Rect, filling: Filling| openings.push(Opening { rect, filling });
     let upright_rect = |x: f32, width: f32, heights: [f32; 2]| Rect::new([x - 0.5 * width, x + 0.5 * width], heights);
     for bay in 0..count {
         match front.ground {
-            Ground::Shops if bay % 3 == 2 => add(upright_rect(middle(bay), 1.1, [0.15, 2.75]), Filling::Door),
-            Ground::Shops => add(upright_rect(middle(bay), bay_width - 0.5, [0.65, 3.1]), Filling::Shop),
-            Ground::Doors if bay % 4 == 1 => add(upright_rect(middle(bay), 1.15, [0.15, 2.75]), Filling::Door),
+            Ground::Shops if bay % 3 == 2 => add(upright_rect(bay_middle(bay), 1.1, [0.15, 2.75]), Filling::Door),
+            Ground::Shops => add(upright_rect(bay_middle(bay), bay_width - 0.5, [0.65, 3.1]), Filling::Shop),
+            Ground::Doors if bay % 4 == 1 => add(upright_rect(bay_middle(bay), 1.15, [0.15, 2.75]), Filling::Door),
             Ground::Doors => add(window(bay, 0.35), Filling::Pane),
             Ground::Cinema => {}
         }
@@ -160,16 +161,16 @@ fn openings(front: &HouseFront) -> Vec<Opening> {
             add(upright_rect(centre + 1.35 * door as f32, 1.2, [0.15, 2.7]), Filling::Glass);
         }
     }
-    let mut floor = GROUND_M;
-    while floor + WINDOW_M[1] + SILL_M + 0.7 < front.height {
+    let mut floor_y = GROUND_M;
+    while floor_y + WINDOW_M[1] + SILL_M + 0.7 < front.height {
         for bay in 0..count {
             // Windows of the cinema are higher, since its canopy covers the lower part of the first storey.
-            let rect = window(bay, if front.ground == Ground::Cinema { floor + 0.5 } else { floor });
+            let rect = window(bay, if front.ground == Ground::Cinema { floor_y + 0.5 } else { floor_y });
             add(rect, Filling::Pane);
         }
-        floor += STOREY_M;
+        floor_y += STOREY_M;
     }
-    all
+    openings
 }
 
 /// Adds the side walls of a house, which are seen where they rise above lower neighbours, and its flat roof.

@@ -34,7 +34,8 @@ pub(super) enum Exporter {
 }
 
 impl Exporter {
-    /// Returns the program that a comment names as the writer of the file; `None` for a comment that is not Blender's.
+    /// Returns the program that a comment such as `# Blender 4.1.0 MTL File` names as the writer of the file; `None`
+    /// for a comment that is not Blender's.
     pub(super) fn from_comment(line: &str) -> Option<Self> {
         let rest = line.trim_start_matches('#').trim_start().strip_prefix("Blender ")?;
         let (version, rest) = rest.split_once(' ')?;
@@ -57,8 +58,8 @@ pub(super) enum Law {
 }
 
 impl Definition {
-    /// Chooses the law of the material once all of its statements were read, and notes warnings about what this law
-    /// drops.
+    /// Chooses the law (the meaning of the numbers) once all statements of the material were read, and notes warnings
+    /// about statements that this law drops.
     pub(super) fn choose_law(&mut self, exporter: Exporter) {
         let has_metalness = self.metalness.is_some() || self.images.metalness.is_some();
         let has_roughness = self.roughness.is_some() || self.images.roughness.is_some();
@@ -75,15 +76,15 @@ impl Definition {
         if let (Some(place), Exporter::Blender(_)) = (self.transmission.take(), exporter) {
             self.note_dropped_at(&place, TRANSPARENCY);
         }
-        let [exponent, reflection] = [self.exponent_image.take(), self.reflection_image.take()];
+        let [exponent_image, reflection_image] = [self.exponent_image.take(), self.reflection_image.take()];
         if let Law::Blender(_) = self.law {
-            (self.images.roughness, self.images.metalness) = (exponent, reflection);
+            (self.images.roughness, self.images.metalness) = (exponent_image, reflection_image);
             return;
         }
-        if let Some(image) = exponent {
+        if let Some(image) = exponent_image {
             self.note_dropped_at(&image.place(), "images of exponents (map_Ns) are not supported and were ignored");
         }
-        if let Some(image) = reflection {
+        if let Some(image) = reflection_image {
             self.note_dropped_at(&image.place(), "reflection maps (refl) are not supported and were ignored");
         }
         if let Some(image) = self.images.reflectivity.take_if(|_| self.law == Law::Pbr(Exporter::Unknown)) {
@@ -146,17 +147,17 @@ impl Definition {
     fn f0(&self) -> f32 {
         // Blender writes an index of 1 for materials without an index of refraction.
         let ior = self.ior.filter(|ior| ior.is_finite() && *ior > 1.0);
-        let by_ior = ior.map_or(F0, f0_of_ior);
+        let f0_by_ior = ior.map_or(F0, f0_of_ior);
         let has_image = self.images.reflectivity.is_some();
         // The level of the specular reflection is 0.5 by default, with which the factor 2 · level is 1.
-        let by_level = |major| {
+        let f0_by_level = |major| {
             let level = self.specular.map_or(if has_image { 1.0 } else { 0.5 }, luminance).max(0.0);
-            2.0 * level * if major >= FIRST_BLENDER_WITH_IOR { by_ior } else { F0 }
+            2.0 * level * if major >= FIRST_BLENDER_WITH_IOR { f0_by_ior } else { F0 }
         };
         match self.law {
             Law::Wavefront => 0.0,
-            Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => by_level(major),
-            Law::Pbr(Exporter::Unknown) => by_ior,
+            Law::Blender(major) | Law::Pbr(Exporter::Blender(major)) => f0_by_level(major),
+            Law::Pbr(Exporter::Unknown) => f0_by_ior,
         }
     }
 
@@ -166,9 +167,10 @@ impl Definition {
         if self.images.roughness.is_some() {
             return Some(self.roughness.filter(|roughness| *roughness > 0.0).unwrap_or(1.0).clamp(0.0, 1.0));
         }
-        let by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
+        // Blender writes a roughness r as the exponent 1000 (1 − r)².
+        let roughness_by_exponent = |exponent: f32| 1.0 - (exponent / BLENDER_EXPONENT).clamp(0.0, 1.0).sqrt();
         match self.law {
-            Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, by_exponent)),
+            Law::Blender(_) => Some(self.exponent.map_or(BLENDER_ROUGHNESS, roughness_by_exponent)),
             Law::Wavefront | Law::Pbr(_) => self.roughness.map(|roughness| roughness.clamp(0.0, 1.0)),
         }
     }

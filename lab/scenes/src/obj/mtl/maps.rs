@@ -19,7 +19,7 @@ struct MapOptions {
 fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
     let mut rest = text;
     while rest.starts_with('-') {
-        let (option, mut after) = take_word(rest);
+        let (option, mut after_values) = take_word(rest);
         // The greatest number of words that follow the option, and whether they must be numbers.
         let (most_words, are_numbers) = match option {
             "-bm" | "-boost" | "-texres" => (1, true),
@@ -29,7 +29,7 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
             _ => break,
         };
         for index in 0..most_words {
-            let (word, after_word) = take_word(after);
+            let (word, after_word) = take_word(after_values);
             let value = word.parse::<f32>().ok().filter(|number| number.is_finite());
             if word.is_empty() || (are_numbers && value.is_none()) {
                 break;
@@ -45,14 +45,14 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
                     options.altered |= matches!((option, word), ("-clamp", "on") | ("-imfchan", "r" | "g" | "b" | "z"))
                 }
             }
-            after = after_word;
+            after_values = after_word;
         }
-        rest = after;
+        rest = after_values;
     }
     rest
 }
 
-/// Parses the options and the file name of a map; `None` if there is no file name.
+/// Parses `arguments`, the options and the file name of a map statement; `None` if there is no file name.
 ///
 /// Names may contain blanks, hyphens and `#`. Several readings of the text are tried, and the first that names an
 /// existing file is used:
@@ -64,29 +64,30 @@ fn take_options<'a>(text: &'a str, options: &mut MapOptions) -> &'a str {
 ///
 /// Each reading is also tried with each backslash before a blank removed. If no file exists, the third reading is the
 /// name.
-pub(super) fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
+pub(super) fn image_statement(place: &Place, arguments: &str) -> Option<ImageStatement> {
     let mut options = MapOptions { multiplier: 1.0, transformed: false, altered: false };
-    let whole = take_options(rest, &mut options);
-    let bare = without_comment(whole);
-    // At an option, some text is taken, so that the text after the options is shorter.
+    let after_options = take_options(arguments, &mut options);
+    let uncommented = without_comment(after_options);
+    // Returns true if an option begins at an offset: then `take_options` takes some text, and the rest is shorter.
     let is_option = |offset: &usize| {
-        let text = bare[*offset..].trim_start();
+        let text = uncommented[*offset..].trim_start();
         let mut ignored = options;
         take_options(text, &mut ignored).len() < text.len()
     };
-    let tail = bare.match_indices(" -").map(|(offset, _)| offset).find(is_option);
-    let (head, tail) = tail.map_or((bare, ""), |offset| bare.split_at(offset));
-    let last_word = bare.split_whitespace().next_back().unwrap_or(bare);
+    let end_of_name = uncommented.match_indices(" -").map(|(offset, _)| offset).find(is_option);
+    let (before_late_options, late_options) =
+        end_of_name.map_or((uncommented, ""), |offset| uncommented.split_at(offset));
+    let last_word = uncommented.split_whitespace().next_back().unwrap_or(uncommented);
     let folder = place.path.parent().unwrap_or(Path::new(""));
     let clean = |name: &str| name.trim().trim_matches('"').trim().to_owned();
-    let readings = [whole, bare, head, last_word].into_iter();
+    let readings = [after_options, uncommented, before_late_options, last_word].into_iter();
     let names = readings.flat_map(|text| [clean(text), clean(&text.replace("\\ ", " "))]);
     let names = distinct(names.filter(|name| !name.is_empty()));
     let found = names.into_iter().find(|name| resolve(folder, name).is_some());
-    let name = found.unwrap_or_else(|| clean(head));
+    let name = found.unwrap_or_else(|| clean(before_late_options));
     // If the name ends before the options after it, these count, too.
-    if name.len() <= head.len() {
-        take_options(tail.trim_start(), &mut options);
+    if name.len() <= before_late_options.len() {
+        take_options(late_options.trim_start(), &mut options);
     }
     let MapOptions { multiplier, transformed, altered } = options;
     (!name.is_empty()).then(|| ImageStatement {
@@ -111,27 +112,27 @@ mod tests {
     use super::*;
 
     /// Parses the statement of a map; returns its name, bump multiplier and whether it transforms texture coordinates.
-    fn image(rest: &str) -> Option<(String, f32, bool)> {
+    fn image(arguments: &str) -> Option<(String, f32, bool)> {
         let place = Place { path: Path::new("a.mtl"), line: 3 };
-        image_statement(&place, rest).map(|image| (image.name, image.multiplier, image.transformed))
+        image_statement(&place, arguments).map(|image| (image.name, image.multiplier, image.transformed))
     }
 
     #[test]
     fn options_of_maps_are_not_part_of_the_name() {
-        let is = |rest, name: &str, multiplier, transformed| {
-            assert_eq!(image(rest), Some((name.into(), multiplier, transformed)), "{rest}");
+        let assert_parsed = |arguments, name: &str, multiplier, transformed| {
+            assert_eq!(image(arguments), Some((name.into(), multiplier, transformed)), "{arguments}");
         };
-        is("a b.png", "a b.png", 1.0, false);
-        is("-bm 0.5 bump.png", "bump.png", 0.5, false);
-        is("-s 1 1 1 -o 0 0 0 -bm 2 x.png", "x.png", 2.0, false);
-        is("-s 2 2 x.png", "x.png", 1.0, true);
-        is("-clamp on -imfchan l x.png", "x.png", 1.0, false);
-        is("-mm 0 1 \"my file.png\"", "my file.png", 1.0, false);
-        is("-odd-name.png", "-odd-name.png", 1.0, false);
-        is("-colorspace sRGB x.png", "x.png", 1.0, false);
-        is("x.png # the bark", "x.png", 1.0, false);
-        is("x.png -bm 0.5 -clamp on # the bark", "x.png", 0.5, false);
-        is("x-y -z.png", "x-y -z.png", 1.0, false);
+        assert_parsed("a b.png", "a b.png", 1.0, false);
+        assert_parsed("-bm 0.5 bump.png", "bump.png", 0.5, false);
+        assert_parsed("-s 1 1 1 -o 0 0 0 -bm 2 x.png", "x.png", 2.0, false);
+        assert_parsed("-s 2 2 x.png", "x.png", 1.0, true);
+        assert_parsed("-clamp on -imfchan l x.png", "x.png", 1.0, false);
+        assert_parsed("-mm 0 1 \"my file.png\"", "my file.png", 1.0, false);
+        assert_parsed("-odd-name.png", "-odd-name.png", 1.0, false);
+        assert_parsed("-colorspace sRGB x.png", "x.png", 1.0, false);
+        assert_parsed("x.png # the bark", "x.png", 1.0, false);
+        assert_parsed("x.png -bm 0.5 -clamp on # the bark", "x.png", 0.5, false);
+        assert_parsed("x-y -z.png", "x-y -z.png", 1.0, false);
         assert_eq!(image("  "), None);
     }
 
