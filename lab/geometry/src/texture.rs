@@ -108,10 +108,25 @@ fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     DynamicImage::from_decoder(decoder).map_err(malformed)
 }
 
-/// Returns the number of texels of an image of `width` × `height` texels after [`shrink_to_side`].
-pub fn texels_within(width: u32, height: u32, side: u32) -> u64 {
-    let [width, height] = size_within(width, height, side);
-    u64::from(width) * u64::from(height)
+/// The texels of a scene's images, of which there may be [`MAX_TEXELS`].
+#[derive(Default)]
+pub struct TexelBudget {
+    /// Number of texels of the images that fitted.
+    used: u64,
+}
+
+impl TexelBudget {
+    /// Returns whether an image of `width` × `height` texels, shrunk by [`shrink_to_side`], still fits, and counts its
+    /// texels if it does. An image that does not fit takes no room from later images.
+    pub fn admits(&mut self, width: u32, height: u32, side: u32) -> bool {
+        let [width, height] = size_within(width, height, side);
+        let used = self.used + u64::from(width) * u64::from(height);
+        let fits = used <= MAX_TEXELS;
+        if fits {
+            self.used = used;
+        }
+        fits
+    }
 }
 
 /// Returns the width and height of an image after it is shrunk so that its longer side has at most `side` texels. The
@@ -348,6 +363,15 @@ fn encode_vector(unit: Vec3) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_image_that_does_not_fit_takes_no_room_from_later_ones() {
+        let mut budget = TexelBudget::default();
+        assert!(budget.admits(1 << 15, 1 << 14, u32::MAX), "half of all texels");
+        assert!(!budget.admits(1 << 15, (1 << 14) + 1, u32::MAX), "one row too many");
+        assert!(budget.admits(1 << 20, 1 << 19, 1 << 15), "shrunk to the other half");
+        assert!(!budget.admits(1, 1, u32::MAX), "nothing is left");
+    }
 
     /// Makes a grey image whose bytes are a function of column and row.
     fn grey(width: u32, height: u32, value: impl Fn(u32, u32) -> u8) -> Texture {

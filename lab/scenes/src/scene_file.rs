@@ -61,7 +61,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     };
     // The default lens is in metres, so that the scale of the options changes its planes, too.
     let default_lens = Lens::default().scaled(extra_scale);
-    let lens = source.lens(&sections.camera, default_lens, extra_scale, 0..0)?;
+    let camera = sections.camera.clone().unwrap_or_else(|| Spanned::new(0..0, LensSection::default()));
+    let lens = source.lens(camera.get_ref(), default_lens, extra_scale, camera.span())?;
     let lights = sections.light.iter().map(|section| source.light(section, extra_scale));
     let lights = lights.collect::<Result<Vec<_>>>()?;
     let assumption_note = sections.assumption_note(path);
@@ -71,12 +72,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
     let files = source.meshes(sections.mesh)?;
-    let probes = sections.probe.iter().map(|section| source.probe(section));
+    let probes = sections.probe.iter().map(|section| source.probe(section, extra_scale));
     let mut probes = probes.collect::<Result<Vec<_>>>()?;
-    let area_lights = sections.area_light.iter().map(|section| source.area_light(section));
+    let area_lights = sections.area_light.iter().map(|section| source.area_light(section, extra_scale));
     let mut area_lights = area_lights.collect::<Result<Vec<_>>>()?;
     let captures = source.captures(&sections.capture, extra_scale)?;
-    let impostors = sections.impostor.iter().map(|section| source.impostor(section));
+    let impostors = sections.impostor.iter().map(|section| source.impostor(section, extra_scale));
     let impostors = impostors.collect::<Result<Vec<_>>>()?;
 
     let scale = scale * extra_scale;
@@ -98,7 +99,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     scene.lens = viewpoint::lens(scene.bounds());
     scene.name = sections.name.unwrap_or_else(|| source_text::stem(path));
-    if sections.camera != LensSection::default() || !views.is_empty() {
+    if *camera.get_ref() != LensSection::default() || !views.is_empty() {
         scene.lens = lens;
     }
     if !lights.is_empty() || scene.lights.is_empty() {
@@ -181,8 +182,7 @@ struct Sections {
     material: BTreeMap<String, ChangeSection>,
     #[serde(default)]
     light: Vec<Spanned<LightSection>>,
-    #[serde(default)]
-    camera: LensSection,
+    camera: Option<Spanned<LensSection>>,
     #[serde(default)]
     view: BTreeMap<String, Spanned<ViewSection>>,
     #[serde(default)]

@@ -329,6 +329,11 @@ fn errors_name_the_line() {
         ("[camera]\nnear = -1\n".into(), "4: near must be a number > 0, not -1"),
         ("[camera]\nnear = nan\n".into(), "4: near must be a number > 0, not NaN"),
         ("[camera]\nnear = 2\nfar = 2\n".into(), "5: far (2) must be greater than near (2)"),
+        (
+            "[camera]\nfov_y_deg = 1e-40\n".into(),
+            "3: a lens with fov_y_deg 0.00000000000000000000000000000000000000010004, near 0.1 and far 1000 is beyond the \
+             precision of the projection",
+        ),
         (view("near = 5000"), "6: far (1000) must be greater than near (5000)"),
         (view("materials = { floor = { roughness = 2 } }"), "6: roughness must lie in 0 to 1, but is 2"),
         (
@@ -362,6 +367,14 @@ fn errors_name_the_line() {
         (
             "[[probe]]\nname = 'a'\nposition = [0, 2, 0]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n".into(),
             "5: position must lie between min and max",
+        ),
+        (
+            "[[probe]]\nname = 'a'\nposition = [0, 0, 0]\nmin = [-2e8, 0, 0]\nmax = [1, 1, 1]\n".into(),
+            "6: min lies more than 1e8 m from the origin",
+        ),
+        (
+            "[[area_light]]\nkind = 'sphere'\nradiance = [1, 1, 1]\ncentre = [0, 2e8, 0]\nradius = 1\n".into(),
+            "6: centre lies more than 1e8 m from the origin",
         ),
         ("[[capture]]\nplace = [0, nan, 0]\n".into(), "4: place must have three finite numbers, not [0, NaN, 0]"),
         ("[[capture]]\nplace = [0, 0, 0]\nresolution = 0\n".into(), "5: resolution must lie in 1 to 4096, but is 0"),

@@ -23,7 +23,7 @@ use gltf::texture::{Info, MagFilter, MinFilter, WrappingMode};
 use rayon::prelude::*;
 use serde_json::Value;
 use ssct_geometry::bounded;
-use ssct_geometry::texture::{self, MAX_TEXELS};
+use ssct_geometry::texture::{self, MAX_TEXELS, TexelBudget};
 use ssct_ground::Error;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
@@ -403,7 +403,7 @@ impl<'a> Baker<'a> {
     /// Finds the images that exceed the limit of a scene's texels when they are added up in the order of `baked`,
     /// before any of them is decoded.
     fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
-        let mut texels = 0;
+        let mut budget = TexelBudget::default();
         let mut beyond_limit = HashSet::new();
         for image in baked.iter().flat_map(Baked::images) {
             // An image without bytes is reported when it is decoded.
@@ -413,8 +413,7 @@ impl<'a> Baker<'a> {
                 ImageBytes::File(path) => image::image_dimensions(path).ok(),
             };
             let [width, height] = dimensions.map_or([1; 2], |(width, height)| [width, height]);
-            texels += texture::texels_within(width, height, side);
-            if texels > MAX_TEXELS {
+            if !budget.admits(width, height, side) {
                 beyond_limit.insert(image);
             }
         }

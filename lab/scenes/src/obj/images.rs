@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use ssct_geometry::bounded::{self, printable_name};
 use ssct_geometry::pattern;
 use ssct_geometry::texture;
-use ssct_geometry::texture::MAX_TEXELS;
+use ssct_geometry::texture::{MAX_TEXELS, TexelBudget};
 use ssct_ground::{Error, Result};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -204,12 +204,11 @@ impl Requests {
     /// Returns the requests, each with true if its image still fits into [`MAX_TEXELS`]. Texels are added up in the
     /// order of the list, with sides of at most `side` texels.
     fn within_budget(&self, side: u32) -> Vec<(&Request, bool)> {
-        let mut texels = 0;
+        let mut budget = TexelBudget::default();
         let with_flags = self.list.iter().map(|request| {
-            if let Ok((width, height)) = image::image_dimensions(&request.path) {
-                texels += texture::texels_within(width, height, side);
-            }
-            (request, texels <= MAX_TEXELS)
+            // An image without readable dimensions is reported when it is decoded.
+            let dimensions = image::image_dimensions(&request.path);
+            (request, dimensions.map_or(true, |(width, height)| budget.admits(width, height, side)))
         });
         with_flags.collect()
     }

@@ -61,13 +61,22 @@ pub(super) struct AreaLightSection {
 }
 
 impl SourceText<'_> {
-    /// Reads and checks a probe, whose position must lie in its box.
-    pub(super) fn probe(&self, section: &ProbeSection) -> Result<Probe> {
-        let (min, max) = (self.vector("min", &section.min)?, self.vector("max", &section.max)?);
+    /// Returns a position as the file states it. Its place, which is multiplied by `scale`, must not be too far from the
+    /// origin; `key` is its name in errors.
+    fn stated_place(&self, key: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
+        self.place(key, value, scale)?;
+        self.vector(key, value)
+    }
+
+    /// Reads and checks a probe, whose position must lie in its box. The places of all sections, multiplied by `scale`,
+    /// must not be too far from the origin.
+    pub(super) fn probe(&self, section: &ProbeSection, scale: f32) -> Result<Probe> {
+        let min = self.stated_place("min", &section.min, scale)?;
+        let max = self.stated_place("max", &section.max, scale)?;
         if !min.cmplt(max).all() {
             return Err(self.error(section.max.span(), "max must be greater than min along every axis"));
         }
-        let position = self.vector("position", &section.position)?;
+        let position = self.stated_place("position", &section.position, scale)?;
         if !(position.cmpge(min).all() && position.cmple(max).all()) {
             return Err(self.error(section.position.span(), "position must lie between min and max"));
         }
@@ -75,8 +84,8 @@ impl SourceText<'_> {
     }
 
     /// Reads an impostor and its image. The impostor's texture index is 0; the caller sets it.
-    pub(super) fn impostor(&self, section: &ImpostorSection) -> Result<(Impostor, Texture)> {
-        let centre = self.vector("centre", &section.centre)?;
+    pub(super) fn impostor(&self, section: &ImpostorSection, scale: f32) -> Result<(Impostor, Texture)> {
+        let centre = self.stated_place("centre", &section.centre, scale)?;
         let [half_u, half_v] = self.half_vectors(&section.half_u, &section.half_v)?;
         let name = section.file.get_ref();
         let folder = self.path.parent().unwrap_or(Path::new(""));
@@ -89,7 +98,7 @@ impl SourceText<'_> {
     }
 
     /// Reads and checks an area light, which must have the keys of its kind and no others.
-    pub(super) fn area_light(&self, section: &Spanned<AreaLightSection>) -> Result<AreaLight> {
+    pub(super) fn area_light(&self, section: &Spanned<AreaLightSection>, scale: f32) -> Result<AreaLight> {
         let AreaLightSection { kind, radiance, centre, radius, a, b, half_u, half_v, half_w } = section.get_ref();
         let span = radiance.span();
         let radiance = self.vector("radiance", radiance)?;
@@ -97,23 +106,25 @@ impl SourceText<'_> {
             return Err(self.error(span, format!("radiance must not be negative, but is {radiance}")));
         }
         let shape = match (kind, centre, radius, [a, b], [half_u, half_v], half_w) {
-            (AreaKind::Sphere, Some(centre), Some(radius), [None, None], [None, None], None) => {
-                AreaShape::Sphere { centre: self.vector("centre", centre)?, radius: self.positive("radius", radius)? }
-            }
+            (AreaKind::Sphere, Some(centre), Some(radius), [None, None], [None, None], None) => AreaShape::Sphere {
+                centre: self.stated_place("centre", centre, scale)?,
+                radius: self.positive("radius", radius)?,
+            },
             (AreaKind::Capsule | AreaKind::Cylinder, None, Some(radius), [Some(a), Some(b)], [None, None], None) => {
-                let (a, b, radius) = (self.vector("a", a)?, self.vector("b", b)?, self.positive("radius", radius)?);
+                let [a, b] = [self.stated_place("a", a, scale)?, self.stated_place("b", b, scale)?];
+                let radius = self.positive("radius", radius)?;
                 match kind {
                     AreaKind::Cylinder => AreaShape::Cylinder { a, b, radius },
                     _ => AreaShape::Capsule { a, b, radius },
                 }
             }
             (AreaKind::Cuboid, Some(centre), None, [None, None], [Some(half_u), Some(half_v)], Some(half_w)) => {
-                let centre = self.vector("centre", centre)?;
+                let centre = self.stated_place("centre", centre, scale)?;
                 let [half_u, half_v] = self.half_vectors(half_u, half_v)?;
                 AreaShape::Cuboid { centre, half_u, half_v, half_w: self.positive("half_w", half_w)? }
             }
             (AreaKind::Rectangle, Some(centre), None, [None, None], [Some(half_u), Some(half_v)], None) => {
-                let centre = self.vector("centre", centre)?;
+                let centre = self.stated_place("centre", centre, scale)?;
                 let [half_u, half_v] = self.half_vectors(half_u, half_v)?;
                 AreaShape::Rectangle { centre, half_u, half_v }
             }
