@@ -90,15 +90,15 @@ impl CaptureFolder {
     /// missing, a value is not finite, or a depth lies outside 0 to 1.
     pub fn face(&self, capture: usize, face: usize) -> Result<GBufferData> {
         let path = face_path(&self.path, capture, face);
-        let whose = format!("capture {}", capture + 1);
-        let bytes = read_face(&path, &whose)?;
+        let cube_name = format!("capture {}", capture + 1);
+        let bytes = read_face(&path, &cube_name)?;
         let mut file = ExrChannels::decode(&bytes, &path, "the face")?;
-        let wrong = |message: String| Error::malformed(&path, None, message);
+        let malformed = |message: String| Error::malformed(&path, None, message);
         let side = square_side(&file, &path)?;
         let Capture { position, near_m, resolution } = self.captures[capture];
         if side != resolution {
             let message = format!("the face has {side}x{side} texels, where {LIST} says {resolution}x{resolution}");
-            return Err(wrong(message));
+            return Err(malformed(message));
         }
         let camera = face_camera(position, face, near_m);
         let depth = match (file.take("depth"), file.take("Z")) {
@@ -111,7 +111,7 @@ impl CaptureFolder {
                 check_values(&path, (side, "texel"), "Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
                 z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect()
             }
-            (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
+            (None, None) => return Err(malformed("channels depth and Z are both missing".into())),
         };
         let mut color = take_finite(&mut file, &path, ["R", "G", "B"])?;
         let normal = take_finite(&mut file, &path, ["N.X", "N.Y", "N.Z"])?;
@@ -203,11 +203,11 @@ pub fn encode_sky(side: u32, colors: &[Vec3], path: &Path) -> Result<Vec<u8>> {
     exr_channels::encode([side; 2], LayerAttributes::default(), channels, path)
 }
 
-/// Reads the bytes of one face of a cube. `whose` names the cube in the error about a missing file, as in "the sky".
-fn read_face(path: &Path, whose: &str) -> Result<Vec<u8>> {
+/// Reads the bytes of one face of a cube. The error about a missing file names the cube, as in "the sky".
+fn read_face(path: &Path, cube_name: &str) -> Result<Vec<u8>> {
     bounded::read(path, "a face of a cube", MAX_BYTES).map_err(|e| match e {
         Error::Io { source, .. } if source.kind() == ErrorKind::NotFound => {
-            Error::malformed(path, None, format!("there is no such file, and {whose} needs all of its six faces"))
+            Error::malformed(path, None, format!("there is no such file, and {cube_name} needs all of its six faces"))
         }
         other => other,
     })
@@ -278,22 +278,22 @@ mod tests {
 
     /// Reads all faces and the sky of a folder.
     fn read_all(folder: &Path) -> Result<(Vec<GBufferData>, Option<SkyCube>)> {
-        let read = CaptureFolder::open(folder)?;
-        let indices = (0..read.captures().len()).flat_map(|capture| (0..6).map(move |face| (capture, face)));
-        let faces = indices.map(|(capture, face)| read.face(capture, face)).collect::<Result<_>>()?;
-        Ok((faces, read.sky()?))
+        let opened = CaptureFolder::open(folder)?;
+        let indices = (0..opened.captures().len()).flat_map(|capture| (0..6).map(move |face| (capture, face)));
+        let faces = indices.map(|(capture, face)| opened.face(capture, face)).collect::<Result<_>>()?;
+        Ok((faces, opened.sky()?))
     }
 
     #[test]
     fn a_folder_round_trips_every_bit() {
         let (folder, captures) = write_folder();
-        let read = CaptureFolder::open(folder.path()).unwrap();
-        assert_eq!((read.captures(), read.bounds()), (&captures[..], BOUNDS));
+        let opened = CaptureFolder::open(folder.path()).unwrap();
+        assert_eq!((opened.captures(), opened.bounds()), (&captures[..], BOUNDS));
         std::fs::write(folder.path().join(LIST), encode_tables(&captures)).unwrap();
         assert_eq!(CaptureFolder::open(folder.path()).unwrap().bounds(), Aabb::ALL);
         let (faces, sky) = read_all(folder.path()).unwrap();
-        for (i, read) in faces.iter().enumerate() {
-            assert!(*read == face(&captures[i / 6], i % 6), "face {i}");
+        for (i, decoded) in faces.iter().enumerate() {
+            assert!(*decoded == face(&captures[i / 6], i % 6), "face {i}");
         }
         let texels = (0..6).map(|face| Vec3::splat(face as f32)).collect();
         assert_eq!(sky, Some(SkyCube { side: 1, texels }));
@@ -311,12 +311,12 @@ mod tests {
         channels.push(("Z", z));
         let bytes = exr_channels::encode([2; 2], LayerAttributes::default(), channels, &path).unwrap();
         std::fs::write(&path, bytes).unwrap();
-        let read = CaptureFolder::open(folder.path()).unwrap().face(0, 3).unwrap();
+        let decoded = CaptureFolder::open(folder.path()).unwrap().face(0, 3).unwrap();
         let clip = face_camera(captures[0].position, 3, captures[0].near_m).view_to_clip_reversed();
         let expected = clip.project_point3(Vec3::new(0.0, 0.0, 4.0)).z;
-        assert!(read.depth[0] == 1.0 && (read.depth[1] / expected - 1.0).abs() < 1e-5, "{:?}", read.depth);
-        assert_eq!(read.depth[2..], [0.0, 0.0]);
-        assert_eq!(read.color, [Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO]);
+        assert!(decoded.depth[0] == 1.0 && (decoded.depth[1] / expected - 1.0).abs() < 1e-5, "{:?}", decoded.depth);
+        assert_eq!(decoded.depth[2..], [0.0, 0.0]);
+        assert_eq!(decoded.color, [Vec3::ONE, Vec3::ONE, Vec3::ZERO, Vec3::ZERO]);
     }
 
     /// Returns the error message of reading a folder after `change`, with DIR for the path of the folder.
@@ -338,29 +338,32 @@ mod tests {
 
     #[test]
     fn what_is_wrong_gets_one_sentence_that_says_where() {
-        let list = |text: &str| error_after(|folder, _| std::fs::write(folder.join(LIST), text).unwrap());
-        assert_eq!(list(""), "DIR/captures.toml: it lists no captures");
-        let unknown = list("[[capture]]\nplace = [0, 0, 0]\nside = 2\n");
+        let error_of_list = |text: &str| error_after(|folder, _| std::fs::write(folder.join(LIST), text).unwrap());
+        assert_eq!(error_of_list(""), "DIR/captures.toml: it lists no captures");
+        let unknown = error_of_list("[[capture]]\nplace = [0, 0, 0]\nside = 2\n");
         assert!(unknown.starts_with("DIR/captures.toml:3: unknown field `side`"), "{unknown}");
-        let unknown = list("scale = 2\n");
+        let unknown = error_of_list("scale = 2\n");
         assert!(unknown.starts_with("DIR/captures.toml:1: unknown field `scale`"), "{unknown}");
-        let table = |near: &str, resolution: &str| {
+        let table_text = |near: &str, resolution: &str| {
             format!("[[capture]]\nplace = [0, 0, 0]\nnear = {near}\nresolution = {resolution}\n")
         };
         assert_eq!(
-            list(&(table("0.1", "2") + &table("0.2", "2"))),
+            error_of_list(&(table_text("0.1", "2") + &table_text("0.2", "2"))),
             "DIR/captures.toml:5: all captures of a folder have one near plane: this one has 0.2 m, the first has 0.1 m"
         );
         assert_eq!(
-            list(&(table("0.1", "2") + &table("0.1", "4"))),
+            error_of_list(&(table_text("0.1", "2") + &table_text("0.1", "4"))),
             "DIR/captures.toml:8: all captures of a scene have one resolution: this one has 4, the first has 2"
         );
-        for (bounds, given) in [("turned", "[[0, 0, 0], [1, -1, 1]]"), ("endless", "[[0, 0, 0], [1, inf, 1]]")] {
-            let message = list(&format!("# {bounds}\nbounds = {given}\n{}", table("0.1", "2")));
-            let words = "bounds must be the least and the greatest corner of a box, of finite numbers";
-            assert_eq!(message, format!("DIR/captures.toml:2: {words}"));
+        for (flaw, corners) in [("turned", "[[0, 0, 0], [1, -1, 1]]"), ("endless", "[[0, 0, 0], [1, inf, 1]]")] {
+            let message = error_of_list(&format!("# {flaw}\nbounds = {corners}\n{}", table_text("0.1", "2")));
+            let reason = "bounds must be the least and the greatest corner of a box, of finite numbers";
+            assert_eq!(message, format!("DIR/captures.toml:2: {reason}"));
         }
-        assert_eq!(list(&table("0.1", "4")), "DIR/1/px.exr: the face has 2x2 texels, where captures.toml says 4x4");
+        assert_eq!(
+            error_of_list(&table_text("0.1", "4")),
+            "DIR/1/px.exr: the face has 2x2 texels, where captures.toml says 4x4"
+        );
         assert_eq!(
             error_after(|folder, _| std::fs::remove_file(face_path(folder, 1, 3)).unwrap()),
             "DIR/2/ny.exr: there is no such file, and capture 2 needs all of its six faces"

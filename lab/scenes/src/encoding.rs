@@ -1,11 +1,11 @@
 //! Recognises the encodings of texts from other programs: byte-order marks, and units of 16 or 32 bits.
 
 /// The byte-order mark of UTF-8, which some editors write before a text.
-const MARK: &[u8] = b"\xEF\xBB\xBF";
+const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Returns a text without the byte-order mark of UTF-8, if it begins with one.
+/// Strips the byte-order mark of UTF-8 from the start of a text; a text without the mark is returned unchanged.
 pub(super) fn without_mark(text: &[u8]) -> &[u8] {
-    text.strip_prefix(MARK).unwrap_or(text)
+    text.strip_prefix(UTF8_MARK).unwrap_or(text)
 }
 
 /// Returns the name of the encoding of a text in UTF-16 or UTF-32; `None` for any other text, such as UTF-8.
@@ -16,8 +16,8 @@ pub(super) fn wide_encoding(text: &[u8]) -> Option<&'static str> {
     match *text {
         [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => Some("UTF-32"),
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some("UTF-16"),
-        [0, 0, 0, a, ..] | [a, 0, 0, 0, ..] if a != 0 => Some("UTF-32"),
-        [0, a, 0, b, ..] | [a, 0, b, 0, ..] if a != 0 && b != 0 => Some("UTF-16"),
+        [0, 0, 0, first, ..] | [first, 0, 0, 0, ..] if first != 0 => Some("UTF-32"),
+        [0, first, 0, second, ..] | [first, 0, second, 0, ..] if first != 0 && second != 0 => Some("UTF-16"),
         _ => None,
     }
 }

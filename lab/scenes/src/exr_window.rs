@@ -10,41 +10,41 @@ use exr::meta::header::Header;
 pub(super) struct ImageWindow {
     /// Width of the part in pixels.
     stored_width: usize,
-    /// The first stored column and row that are shown.
+    /// Index of the first stored column and row that are shown.
     first: [usize; 2],
     /// Width and height of the image.
     pub(super) size: [usize; 2],
 }
 
 impl ImageWindow {
-    /// Finds the image within a part. `position` and `stored` are the first corner and the size of the stored pixels,
-    /// and `window` is the display window, all in pixels of the file's plane.
+    /// Finds the image within a part. The first corner and the size of the stored pixels and of the display window are
+    /// given in pixels of the file's plane.
     ///
     /// # Errors
     /// A message about a part whose pixels do not cover the display window.
     pub(super) fn new(
-        position: Vec2<i32>,
-        stored: Vec2<usize>,
+        stored_corner: Vec2<i32>,
+        stored_size: Vec2<usize>,
         window: IntegerBounds,
     ) -> std::result::Result<Self, String> {
-        // The first shown pixel along one axis, counted from the first stored one; `None` if the part does not cover
-        // the window.
-        let first_shown = |position: i32, stored: usize, window: i32, size: usize| {
-            let first = usize::try_from(i64::from(window) - i64::from(position)).ok()?;
-            (first.checked_add(size)? <= stored && size > 0).then_some(first)
+        // The first shown pixel along one axis, counted from the first stored one; `None` if the stored pixels do not
+        // cover the window.
+        let first_shown = |stored_start: i32, stored_count: usize, window_start: i32, window_count: usize| {
+            let first = usize::try_from(i64::from(window_start) - i64::from(stored_start)).ok()?;
+            (first.checked_add(window_count)? <= stored_count && window_count > 0).then_some(first)
         };
-        let first_column = first_shown(position.x(), stored.x(), window.position.x(), window.size.x());
-        let first_row = first_shown(position.y(), stored.y(), window.position.y(), window.size.y());
+        let first_column = first_shown(stored_corner.x(), stored_size.x(), window.position.x(), window.size.x());
+        let first_row = first_shown(stored_corner.y(), stored_size.y(), window.position.y(), window.size.y());
         match first_column.zip(first_row) {
             Some((x, y)) => {
-                Ok(Self { stored_width: stored.x(), first: [x, y], size: [window.size.x(), window.size.y()] })
+                Ok(Self { stored_width: stored_size.x(), first: [x, y], size: [window.size.x(), window.size.y()] })
             }
             None => Err(format!(
                 "it has {}x{} pixels from {}, {} on, and its image has {}x{} from {}, {} on; only whole images can be read",
-                stored.0,
-                stored.1,
-                position.0,
-                position.1,
+                stored_size.0,
+                stored_size.1,
+                stored_corner.0,
+                stored_corner.1,
                 window.size.0,
                 window.size.1,
                 window.position.0,
@@ -62,16 +62,16 @@ impl ImageWindow {
         Self::new(position, header.layer_size, header.shared_attributes.display_window)
     }
 
-    /// Crops the values of a channel, stored row by row, to the image. Values that are too few for the part's pixels
-    /// are returned unchanged.
+    /// Crops the values of a channel, stored row by row, to the image. If there are fewer values than the image needs,
+    /// they are returned unchanged.
     pub(super) fn crop(&self, values: Vec<f32>) -> Vec<f32> {
-        let Self { stored_width, first: [x, y], size: [width, height] } = *self;
-        let is_whole = [x, y] == [0, 0] && stored_width * height == values.len() && width == stored_width;
-        if is_whole || stored_width == 0 || values.len() < stored_width * (y + height) {
+        let Self { stored_width, first: [first_column, first_row], size: [width, height] } = *self;
+        let is_whole = [first_column, first_row] == [0, 0] && width == stored_width && width * height == values.len();
+        if is_whole || stored_width == 0 || values.len() < stored_width * (first_row + height) {
             return values;
         }
-        let rows = values.chunks_exact(stored_width).skip(y).take(height);
-        rows.flat_map(|row| &row[x..x + width]).copied().collect()
+        let rows = values.chunks_exact(stored_width).skip(first_row).take(height);
+        rows.flat_map(|row| &row[first_column..first_column + width]).copied().collect()
     }
 }
 
@@ -91,9 +91,8 @@ mod tests {
     #[test]
     fn a_part_that_lacks_pixels_is_refused() {
         let window = IntegerBounds { position: Vec2(0, 0), size: Vec2(2, 2) };
-        for (position, stored) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))]
-        {
-            let message = ImageWindow::new(position, stored, window).unwrap_err();
+        for (corner, size) in [(Vec2(1, 0), Vec2(2, 2)), (Vec2(0, 0), Vec2(2, 1)), (Vec2(i32::MIN, 0), Vec2(9, 9))] {
+            let message = ImageWindow::new(corner, size, window).unwrap_err();
             assert!(message.ends_with("only whole images can be read"), "{message}");
         }
     }

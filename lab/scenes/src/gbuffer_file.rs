@@ -82,68 +82,70 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 /// # Errors
 /// [`Error::Malformed`] if the bytes are not an OpenEXR image, or if the image is larger than [`MAX_SIDE`] or
 /// [`MAX_BYTES`]. This error is also returned if the file claims more pixels than its bytes can hold, has only a piece
-/// of an image, uses a lossy compression, or lacks a channel or the projection, and if pixels are not square and do not
-/// fit the projection. For a value that is not finite or out of range, and for a `Z` above 0 in front of the near
-/// plane, the error names the first pixel of the channel that has one.
+/// of an image, uses a lossy compression, or lacks a channel or the projection. Pixels that are not square and do not
+/// fit the projection give this error, too. For a value that is not finite or out of range, and for a `Z` above 0 in
+/// front of the near plane, the error names the first pixel of the channel that has one.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
-    let wrong = |message: String| Error::malformed(path, None, message);
+    let malformed = |message: String| Error::malformed(path, None, message);
     let (width, height) = (file.width, file.height);
     let pixel_aspect = file.pixel_aspect;
     let aspect = pixel_aspect * width as f32 / height.max(1) as f32;
-    let camera = read_camera(&file.attributes, aspect).map_err(wrong)?;
+    let camera = read_camera(&file.attributes, aspect).map_err(malformed)?;
     // Files of this program state square pixels whatever their projection, so that square pixels contradict nothing.
     if pixel_aspect != 1.0 && (camera.aspect / aspect - 1.0).abs() > ASPECT_TOLERANCE {
-        return Err(wrong(format!(
+        return Err(malformed(format!(
             "by pixelAspectRatio {pixel_aspect} the image is {aspect} times as wide as high, but by its projection {} \
              times",
             camera.aspect
         )));
     }
-    let check = |channel: &str, allowed: &str, values: &[f32], is_right: fn(f32) -> bool| {
-        check_values(path, (width, "pixel"), channel, allowed, values, is_right)
+    let check_channel = |channel: &str, allowed: &str, values: &[f32], is_allowed: fn(f32) -> bool| {
+        check_values(path, (width, "pixel"), channel, allowed, values, is_allowed)
     };
     let (depth, z) = (file.take("depth"), file.take("Z"));
     let depth = match (depth, z) {
         (Some(depth), _) => {
-            check("depth", "a number from 0 to 1", &depth, is_unit)?;
+            check_channel("depth", "a number from 0 to 1", &depth, is_zero_to_one)?;
             depth
         }
         (None, Some(z)) => {
-            check("Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
-            let near = camera.lens.near_m;
-            let least = f64::from(near) * (1.0 - NEAR_TOLERANCE);
-            let allowed = format!("0, which is sky, or at least {near}, the distance of the near plane in metres");
-            let is_right = |z: f32| z == 0.0 || f64::from(z) >= least;
-            check_values(path, (width, "pixel"), "Z", &allowed, &z, is_right)?;
+            check_channel("Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
+            let near_m = camera.lens.near_m;
+            let nearest_allowed_m = f64::from(near_m) * (1.0 - NEAR_TOLERANCE);
+            let allowed = format!("0, which is sky, or at least {near_m}, the distance of the near plane in metres");
+            let is_allowed = |z: f32| z == 0.0 || f64::from(z) >= nearest_allowed_m;
+            check_values(path, (width, "pixel"), "Z", &allowed, &z, is_allowed)?;
             // Rounding may put a surface on the near plane in front of it, where its depth would be that of sky.
-            let placed = |z: f32| if z > 0.0 { z.max(near) } else { z };
-            let reversed = |z: &f32| match reversed_depth(placed(*z), &camera.lens) {
+            let not_before_near = |z: f32| if z > 0.0 { z.max(near_m) } else { z };
+            let depth_of_z = |z: &f32| match reversed_depth(not_before_near(*z), &camera.lens) {
                 // The depth may be NaN for planes at the limits of floats.
                 depth if depth > 0.0 => depth.min(1.0),
                 _ => 0.0,
             };
-            z.iter().map(reversed).collect()
+            z.iter().map(depth_of_z).collect()
         }
-        (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
+        (None, None) => return Err(malformed("channels depth and Z are both missing".into())),
     };
     let surface = file.take_surfaces();
     let color = file.vectors(["R", "G", "B"])?;
     let normal = file.vectors(["N.X", "N.Y", "N.Z"])?;
     let roughness = file.required("roughness")?;
     let reflectivity = file.required("reflectivity")?;
-    for (component, [colour, direction]) in [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate() {
+    for (component, [color_channel, normal_channel]) in
+        [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate()
+    {
         let is_color = |value: f32| value.is_finite() && value >= 0.0;
-        check(colour, "a finite number from 0 on", &components(&color, component), is_color)?;
-        check(direction, "a finite number", &components(&normal, component), f32::is_finite)?;
+        check_channel(color_channel, "a finite number from 0 on", &components(&color, component), is_color)?;
+        check_channel(normal_channel, "a finite number", &components(&normal, component), f32::is_finite)?;
     }
-    check("roughness", "a number from 0 to 1", &roughness, is_unit)?;
-    check("reflectivity", "a number from 0 to 1", &reflectivity, is_unit)?;
+    check_channel("roughness", "a number from 0 to 1", &roughness, is_zero_to_one)?;
+    check_channel("reflectivity", "a number from 0 to 1", &reflectivity, is_zero_to_one)?;
     Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
 }
 
 /// Returns true if a value is a number from 0 to 1.
-fn is_unit(value: f32) -> bool {
+fn is_zero_to_one(value: f32) -> bool {
     (0.0..=1.0).contains(&value)
 }
 
@@ -169,24 +171,24 @@ pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
 }
 
 /// Reads the camera from a layer's attributes. `aspect` is the image's width over its height, and is used if the
-/// attributes give no aspect ratio. The error is the message.
+/// attributes give no aspect ratio. The error is a message.
 fn read_camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
-    let number = |name: &str| match attributes.other.get(&Text::from(name)) {
+    let number_of = |name: &str| match attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::F32(value)) => Some(*value),
         // Python's numbers become one of these, and a round number such as a far plane at 1000 an integer.
         Some(AttributeValue::F64(value)) => Some(*value as f32),
         Some(AttributeValue::I32(value)) => Some(*value as f32),
         _ => None,
     };
-    let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
-    let height = number("orthographicHeight").map(FieldOfView::Height);
-    let opening = number("fovYRadians").map(FieldOfView::Angle).or(height);
-    let numbers = (opening, number("nearPlane"), number("farPlane"));
+    let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |numbers| Mat4::from_cols_array(&numbers));
+    let opening_height = number_of("orthographicHeight").map(FieldOfView::Height);
+    let opening = number_of("fovYRadians").map(FieldOfView::Angle).or(opening_height);
+    let numbers = (opening, number_of("nearPlane"), number_of("farPlane"));
     let (lens, aspect, projection) = match (numbers, attributes.other.get(&Text::from("viewToClip"))) {
         ((Some(opening), Some(near_m), Some(far_m)), _) => {
-            (Lens { opening, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
+            (Lens { opening, near_m, far_m }, number_of("aspectRatio").unwrap_or(aspect), None)
         }
-        (_, Some(AttributeValue::Matrix4x4(m))) => lens_of_matrix(&Mat4::from_cols_array(m))?,
+        (_, Some(AttributeValue::Matrix4x4(matrix))) => lens_of_matrix(&Mat4::from_cols_array(matrix))?,
         _ => {
             return Err(
                 "the projection is missing: neither viewToClip nor fovYRadians (or orthographicHeight), nearPlane and \
@@ -209,21 +211,20 @@ fn read_camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result
 
 /// Reads a projection matrix with reversed depth. Returns its lens, its aspect ratio and its numbers as a
 /// [`Projection`], or a message if the matrix cannot be used.
-fn lens_of_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
-    let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
-    if read.axis_signs != Vec3::ONE || !read.is_reversed {
+fn lens_of_matrix(view_to_clip: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
+    let parsed = ReadProjection::new(view_to_clip, true).map_err(|why| format!("viewToClip {why}"))?;
+    if parsed.axis_signs != Vec3::ONE || !parsed.is_reversed {
         return Err("viewToClip is not a left-handed projection with reversed depth".into());
     }
-    let [x, y] = read.projection.scale;
-    let is_endless = read.far.is_infinite();
-    let far_m = if is_endless { INFINITE_FAR * read.near } else { read.far };
-    let lens = Lens { opening: read.projection.opening(), near_m: read.near, far_m };
-    Ok((lens, y / x, Some(read.projection)))
+    let [scale_x, scale_y] = parsed.projection.scale;
+    let far_m = if parsed.far.is_infinite() { INFINITE_FAR_RATIO * parsed.near } else { parsed.far };
+    let lens = Lens { opening: parsed.projection.opening(), near_m: parsed.near, far_m };
+    Ok((lens, scale_y / scale_x, Some(parsed.projection)))
 }
 
-/// Ratio of the far plane, which replaces an infinite one in formulas, to the near plane. The door for other renderers
-/// (`CameraInput`) uses the same number.
-const INFINITE_FAR: f32 = 1e7;
+/// Ratio of the far to the near plane of a lens whose far plane is at infinity, for formulas that need a finite one.
+/// The door for other renderers (`CameraInput`) uses the same number.
+const INFINITE_FAR_RATIO: f32 = 1e7;
 
 #[cfg(test)]
 mod tests {
@@ -298,12 +299,12 @@ mod tests {
         let expected = gbuffer.camera.lens;
         let parallel = Lens::orthographic(7.0, 0.5, 50.0);
         assert!((lens.near_m - expected.near_m).abs() < 1e-6 && (lens.far_m - expected.far_m).abs() < 1e-3);
-        let [fov, wanted] = [lens, expected].map(|lens| lens.fov_y_radians().expect("a perspective"));
-        assert!((fov - wanted).abs() < 1e-6 && (aspect - 1.5).abs() < 1e-6);
+        let [fov, expected_fov] = [lens, expected].map(|lens| lens.fov_y_radians().expect("a perspective"));
+        assert!((fov - expected_fov).abs() < 1e-6 && (aspect - 1.5).abs() < 1e-6);
         for depth in [0.02_f32, 0.3, 0.99] {
             for lens in [expected, parallel] {
-                let back = reversed_depth(view_z(depth, &lens), &lens);
-                assert!((back - depth).abs() < 1e-6, "{depth} {back}");
+                let returned = reversed_depth(view_z(depth, &lens), &lens);
+                assert!((returned - depth).abs() < 1e-6, "{depth} {returned}");
             }
         }
         assert_eq!(reversed_depth(0.0, &expected), 0.0, "sky");
@@ -356,12 +357,12 @@ mod tests {
             bytes.windows(attribute.len()).position(|window| window == attribute).expect("an attribute")
         };
         // Four bytes with the length of the value follow the name and the type.
-        let value = offset_of(&bytes, b"pixelAspectRatio\0float\0") + 23 + 4;
-        bytes[value..value + 4].copy_from_slice(&pixel_aspect.to_le_bytes());
+        let value_offset = offset_of(&bytes, b"pixelAspectRatio\0float\0") + 23 + 4;
+        bytes[value_offset..value_offset + 4].copy_from_slice(&pixel_aspect.to_le_bytes());
         if !has_aspect {
             // The attribute gets a name that nothing reads.
-            let name = offset_of(&bytes, b"aspectRatio\0float\0");
-            bytes[name] = b'x';
+            let name_offset = offset_of(&bytes, b"aspectRatio\0float\0");
+            bytes[name_offset] = b'x';
         }
         decode(&bytes, path)
     }

@@ -44,7 +44,7 @@ const MAX_BYTES: u64 = 1 << 20;
 #[derive(Debug, Clone)]
 pub struct GBufferMap {
     path: PathBuf,
-    /// Whether the first row of the files is the lowest row of the image.
+    /// True if the first row of the files is the lowest row of the image.
     bottom_up: bool,
     /// The view to read from files with several views, such as one of two eyes.
     view: Option<String>,
@@ -164,12 +164,12 @@ impl GBufferMap {
         let mut files = MapFiles::new(&self.path, main, self.arrangement());
         let planes = self.depth.read(&mut files)?;
         let [width, height] = files.size();
-        let (camera, coding) = self.camera.get(&self.conventions, &self.depth, &mut files)?;
-        let depth = self.depth.to_reversed(&planes, &camera, coding, self.conventions.metres, [width, height])?;
+        let (camera, depth_coding) = self.camera.get(&self.conventions, &self.depth, &mut files)?;
+        let depth = self.depth.to_reversed(&planes, &camera, depth_coding, self.conventions.metres, [width, height])?;
         let normal = self.normals.read(&mut files, &self.conventions, &camera, &depth)?;
         let roughness = self.roughness.read(&mut files, &depth)?;
         let mut reflectivity = self.reflectivity.read(&mut files, &depth)?;
-        // Surfaces that their renderer does not light have no normal. They are taken not to reflect.
+        // A surface that its renderer does not light has no normal, and is taken not to reflect.
         for (reflectivity, normal) in reflectivity.iter_mut().zip(&normal) {
             if !normals::has_direction(*normal) {
                 *reflectivity = 0.0;
@@ -185,10 +185,10 @@ impl GBufferMap {
     }
 }
 
-/// Returns the centre of a pixel in normalised device coordinates, with y up. `pixel` counts along rows, from the top
-/// left.
-fn pixel_ndc([width, height]: [u32; 2], pixel: usize) -> DVec2 {
-    let (x, y) = (pixel % width as usize, pixel / width as usize);
+/// Returns the centre of a pixel in normalised device coordinates, with y up. `pixel_index` counts along rows, from the
+/// top left.
+fn pixel_ndc([width, height]: [u32; 2], pixel_index: usize) -> DVec2 {
+    let (x, y) = (pixel_index % width as usize, pixel_index / width as usize);
     DVec2::new((x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0)
 }
 
@@ -198,24 +198,24 @@ fn required_keys<'a>(text: &'a SourceText, name: &str, section: Option<MapSectio
     Ok(MapKeys::new(text, name, section.ok_or_else(missing)?))
 }
 
-/// Takes the sections of the reflectivity: `[reflectivity]`, or `[metallic]` with `[base-color]` and optionally `[f0]`.
+/// Takes the sections that give reflectivity: `[reflectivity]`, or `[metallic]` with `[base-color]` and maybe `[f0]`.
 fn take_reflectivity(text: &SourceText, sections: &mut Sections) -> Result<MapReflectivity> {
-    let [base, f0] = [sections.base_color.take(), sections.f0.take()];
+    let [base_color, f0] = [sections.base_color.take(), sections.f0.take()];
     match (sections.reflectivity.take(), sections.metallic.take()) {
-        (Some(given), None) => {
-            for (name, section) in [("[base-color]", base), ("[f0]", f0)] {
+        (Some(reflectivity), None) => {
+            for (name, section) in [("[base-color]", base_color), ("[f0]", f0)] {
                 if let Some(section) = section {
                     return Err(
                         text.error(section.span(), format!("{name} is read beside [metallic], and there is none"))
                     );
                 }
             }
-            MapReflectivity::given(MapKeys::new(text, "[reflectivity]", given))
+            MapReflectivity::take_direct(MapKeys::new(text, "[reflectivity]", reflectivity))
         }
         (None, Some(metallic)) => {
-            let base = required_keys(text, "[base-color]", base)?;
+            let base_color = required_keys(text, "[base-color]", base_color)?;
             let f0 = f0.map(|f0| MapKeys::new(text, "[f0]", f0));
-            MapReflectivity::metallic(MapKeys::new(text, "[metallic]", metallic), base, f0)
+            MapReflectivity::take_metallic(MapKeys::new(text, "[metallic]", metallic), base_color, f0)
         }
         (Some(_), Some(metallic)) => Err(text.error(metallic.span(), "[metallic]: there is [reflectivity] already")),
         (None, None) => {

@@ -86,8 +86,8 @@ pub fn is_named(path: &Path) -> bool {
 /// larger than [`MAX_FILE_BYTES`]. [`Error::Usage`](ssct_ground::Error::Usage) for options out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = load_plain(path, options, None)?;
-    if let Some(sentence) = chosen_defaults(&scene) {
-        scene.notes.push(format!("{}: {sentence}", path.display()));
+    if let Some(defaults) = chosen_defaults(&scene) {
+        scene.notes.push(format!("{}: {defaults}", path.display()));
     }
     if scene.views.is_empty() {
         scene.views = vec![viewpoint::default_view(&scene)];
@@ -118,19 +118,19 @@ pub(super) fn load_plain(path: &Path, options: &LoadOptions, origin: Option<DVec
     options.check()?;
     let bytes = bounded::read(path, "a glTF file", MAX_FILE_BYTES)?;
     let mut notes = Notes::new(path);
-    let (document, animations, blob) = document::read(path, &bytes, &mut notes)?;
+    let (document, animations, binary_chunk) = document::read(path, &bytes, &mut notes)?;
     drop(bytes);
-    let data = Data::new(path, &document, blob)?;
+    let data = Data::new(path, &document, binary_chunk)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let mut scene = Scene { name, ..Scene::default() };
-    let used = nodes::place(&data, &animations, options.scale, origin, &mut scene, &mut notes)?;
-    materials::attach(&data, &used, options.texture_side, &mut scene, &mut notes);
+    let used_materials = nodes::place(&data, &animations, options.scale, origin, &mut scene, &mut notes)?;
+    materials::attach(&data, &used_materials, options.texture_side, &mut scene, &mut notes);
     scene.lens = viewpoint::lens(scene.bounds());
     scene.warnings = notes.sentences;
     Ok(scene)
 }
 
-/// The sentences about unsupported features; one for each kind.
+/// Sentences about unsupported features, at most one of each kind.
 #[derive(Clone)]
 struct Notes {
     /// The path of the file, with which every sentence begins.
@@ -151,7 +151,7 @@ impl Notes {
         format!("{}: {sentence}", self.file)
     }
 
-    /// Adds a sentence, unless one of the same kind was added before.
+    /// Adds a sentence, unless one of the same kind was added before. `kind` is a key that no message shows.
     fn add(&mut self, kind: &str, sentence: String) {
         if self.kinds.insert(kind.to_owned()) {
             self.sentences.push(self.about(&sentence));

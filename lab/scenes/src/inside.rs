@@ -29,9 +29,9 @@ pub struct PathInFolder {
 pub struct FolderEntry {
     /// Name of the entry.
     pub name: String,
-    /// Whether the entry is a regular file.
+    /// True if the entry is a regular file.
     pub is_file: bool,
-    /// Whether the entry is a folder, and no link to one.
+    /// True if the entry is a folder, and no link to one.
     pub is_folder: bool,
 }
 
@@ -117,7 +117,7 @@ impl PathInFolder {
     /// [`Error::Io`] if the folder cannot be read, [`Error::Malformed`] if it leads out of its folder. A name
     /// inside it that is no text gives [`Error::Io`].
     pub fn list(&self) -> Result<Vec<FolderEntry>> {
-        let read = |folder: &Dir, name: &Path| -> IoResult<Vec<FolderEntry>> {
+        let read_entries = |folder: &Dir, name: &Path| -> IoResult<Vec<FolderEntry>> {
             let to_entry = |entry: IoResult<cap_std::fs::DirEntry>| {
                 let entry = entry?;
                 let kind = entry.file_type()?;
@@ -127,7 +127,7 @@ impl PathInFolder {
             };
             folder.read_dir(if name.as_os_str().is_empty() { Path::new(".") } else { name })?.map(to_entry).collect()
         };
-        match self.within(false, read) {
+        match self.within(false, read_entries) {
             Ok(mut entries) => {
                 entries.sort_by(|a, b| a.name.cmp(&b.name));
                 Ok(entries)
@@ -199,11 +199,11 @@ impl PathInFolder {
         })
     }
 
-    /// Calls `act` with the opened root and the name below it. If `is_writing` is true, a missing root is made first,
-    /// and errors speak of writing, not of reading.
+    /// Calls `act` with the opened root folder and the name below it. If `is_writing` is true, a missing root is made
+    /// first, and errors speak of writing, not of reading.
     fn within<T>(&self, is_writing: bool, act: impl FnOnce(&Dir, &Path) -> IoResult<T>) -> Result<T> {
-        let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
-        if !self.name.components().all(is_plain) {
+        let stays_inside = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
+        if !self.name.components().all(stays_inside) {
             return Err(self.malformed("leads out of its folder"));
         }
         let action = if is_writing { "write" } else { "read" };

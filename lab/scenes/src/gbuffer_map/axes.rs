@@ -15,7 +15,7 @@ pub(super) struct MapConventions {
     pub view: DMat3,
     /// Order of the numbers of a matrix.
     pub matrices: MatrixOrder,
-    /// Whether the top of the image has the greatest or the least y in clip space.
+    /// Direction of y in clip space: up or down in the image.
     pub clip_y: ClipY,
     /// Number of metres in the renderer's unit of length.
     pub metres: f64,
@@ -24,8 +24,8 @@ pub(super) struct MapConventions {
 impl MapConventions {
     /// Takes the keys of the section `[conventions]`.
     pub fn take(mut keys: MapKeys) -> Result<Self> {
-        let mut axes = |name| Ok::<_, Error>(keys.word(name, &Axes::NAMES)?.unwrap_or_default().to_ours());
-        let (world, view) = (axes("world")?, axes("view")?);
+        let mut axes_matrix = |key| Ok::<_, Error>(keys.word(key, &Axes::NAMES)?.unwrap_or_default().to_ours());
+        let (world, view) = (axes_matrix("world")?, axes_matrix("view")?);
         let orders = [("columns", MatrixOrder::Columns), ("rows", MatrixOrder::Rows)];
         let matrices = keys.word("matrices", &orders)?.unwrap_or_default();
         let clip_y = keys.word("clip-y", &[("up", ClipY::Up), ("down", ClipY::Down)])?.unwrap_or(ClipY::Up);
@@ -39,8 +39,8 @@ impl MapConventions {
 
     /// Makes the matrix, for column vectors, from the 16 numbers that the renderer lists in its order.
     pub fn matrix(&self, numbers: &[f64]) -> DMat4 {
-        let listed = DMat4::from_cols_slice(numbers);
-        if self.matrices == MatrixOrder::Rows { listed.transpose() } else { listed }
+        let by_columns = DMat4::from_cols_slice(numbers);
+        if self.matrices == MatrixOrder::Rows { by_columns.transpose() } else { by_columns }
     }
 
     /// Converts a place in the renderer's world and unit to this program's world, in metres.

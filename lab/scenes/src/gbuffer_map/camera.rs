@@ -73,7 +73,7 @@ enum MapPlace {
 struct MapPoints {
     eye: MapNumbers,
     towards: MapNumbers,
-    /// Whether `towards` is a point, not a direction.
+    /// True if `towards` is a point, false if it is a direction.
     is_point: bool,
     /// The direction that is up in the image; without it, the image is upright.
     up: Option<MapNumbers>,
@@ -110,38 +110,38 @@ impl MapCamera {
         !matches!(self.place, MapPlace::Origin)
     }
 
-    /// Returns other readings of the camera, which a map may confuse with the right one, each with its words: the lens
-    /// along the other axis, and the matrix of the place as its inverse.
+    /// Returns other readings of the camera, which a map may confuse with the right one: the lens along the other axis,
+    /// and the inverse of the matrix of the place. Each comes with a description of the change.
     pub fn other_readings(&self) -> Vec<(&'static str, Self)> {
-        let lens = |lens: MapLens| Self { lens, ..self.clone() };
-        let place = |place: MapPlace| Self { place, ..self.clone() };
+        let with_lens = |lens: MapLens| Self { lens, ..self.clone() };
+        let with_place = |place: MapPlace| Self { place, ..self.clone() };
         let other_lens = match self.lens.clone() {
             MapLens::Angle { axis, angle, to_radians } => {
-                let words = ["an angle from top to bottom (fov-y)", "an angle from left to right (fov-x)"][axis];
-                Some((words, lens(MapLens::Angle { axis: 1 - axis, angle, to_radians })))
+                let description = ["an angle from top to bottom (fov-y)", "an angle from left to right (fov-x)"][axis];
+                Some((description, with_lens(MapLens::Angle { axis: 1 - axis, angle, to_radians })))
             }
             MapLens::Focal { axis, length, sensor } => {
-                let words = [
+                let description = [
                     "sensor-height-mm in the place of sensor-width-mm",
                     "sensor-width-mm in the place of sensor-height-mm",
                 ][axis];
-                Some((words, lens(MapLens::Focal { axis: 1 - axis, length, sensor })))
+                Some((description, with_lens(MapLens::Focal { axis: 1 - axis, length, sensor })))
             }
             MapLens::Extent { axis, extent } => {
-                let words = [
+                let description = [
                     "orthographic-height in the place of orthographic-width",
                     "orthographic-width in the place of orthographic-height",
                 ][axis];
-                Some((words, lens(MapLens::Extent { axis: 1 - axis, extent })))
+                Some((description, with_lens(MapLens::Extent { axis: 1 - axis, extent })))
             }
             MapLens::Matrix(_) => None,
         };
         let other_place = match self.place.clone() {
             MapPlace::WorldToView(matrix) => {
-                Some(("view-to-world in the place of world-to-view", place(MapPlace::ViewToWorld(matrix))))
+                Some(("view-to-world in the place of world-to-view", with_place(MapPlace::ViewToWorld(matrix))))
             }
             MapPlace::ViewToWorld(matrix) => {
-                Some(("world-to-view in the place of view-to-world", place(MapPlace::WorldToView(matrix))))
+                Some(("world-to-view in the place of view-to-world", with_place(MapPlace::WorldToView(matrix))))
             }
             MapPlace::Origin | MapPlace::Points(_) => None,
         };
@@ -159,27 +159,27 @@ impl MapCamera {
         depth: &MapDepth,
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
-        let plane = |plane: &Option<MapNumbers>, files: &mut MapFiles| -> Result<Option<f32>> {
-            let distance = plane.as_ref().map(|numbers| numbers.one(files)).transpose()?;
+        let plane_metres = |plane: &Option<MapNumbers>, files: &mut MapFiles| -> Result<Option<f32>> {
+            let distance = plane.as_ref().map(|numbers| numbers.single(files)).transpose()?;
             Ok(distance.map(|distance| (distance * conventions.metres) as f32))
         };
-        let [near, far] = [plane(&self.near, files)?, plane(&self.far, files)?];
-        let (camera, coding) = match &self.lens {
+        let [near, far] = [plane_metres(&self.near, files)?, plane_metres(&self.far, files)?];
+        let (camera, camera_coding) = match &self.lens {
             MapLens::Matrix(matrix) => camera_of_matrix(matrix, [near, far], conventions, depth, files)?,
             MapLens::Angle { axis, angle, to_radians } => {
-                let angle = angle.one(files)? * to_radians;
+                let angle = angle.single(files)? * to_radians;
                 self.camera_of_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
             }
             MapLens::Focal { axis, length, sensor } => {
-                let angle = 2.0 * (0.5 * sensor.one(files)? / length.one(files)?).atan();
+                let angle = 2.0 * (0.5 * sensor.single(files)? / length.single(files)?).atan();
                 self.camera_of_opening(*axis, MapOpening::Angle(angle), [near, far], files)?
             }
             MapLens::Extent { axis, extent } => {
-                let extent = extent.one(files)? * conventions.metres;
+                let extent = extent.single(files)? * conventions.metres;
                 self.camera_of_opening(*axis, MapOpening::Extent(extent), [near, far], files)?
             }
         };
-        let coding = depth.coding(coding, conventions.metres);
+        let file_coding = depth.coding(camera_coding, conventions.metres);
         let camera = Camera { world_to_view: self.world_to_view(conventions, files)?, ..camera };
         if !camera.is_sound() {
             let (Lens { opening, near_m: near, far_m: far }, aspect) = (camera.lens, camera.aspect);
@@ -195,7 +195,7 @@ impl MapCamera {
             );
             return Err(files.error(self.line, message));
         }
-        Ok((camera, coding))
+        Ok((camera, file_coding))
     }
 
     /// Makes a camera that sees `opening` along the axis of the image `axis` (0 is x, 1 is y), with the near and the
@@ -209,8 +209,8 @@ impl MapCamera {
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let [width, height] = files.size().map(f64::from);
-        let aspect = self.aspect.as_ref().map(|numbers| numbers.one(files)).transpose()?;
-        let aspect = aspect.unwrap_or(width * files.pixel_aspect() / height);
+        let stated_aspect = self.aspect.as_ref().map(|numbers| numbers.single(files)).transpose()?;
+        let aspect = stated_aspect.unwrap_or(width * files.pixel_aspect() / height);
         let opening = match opening {
             MapOpening::Angle(angle) if axis == 1 => FieldOfView::Angle(angle as f32),
             MapOpening::Angle(angle) => FieldOfView::Angle((2.0 * ((0.5 * angle).tan() / aspect).atan()) as f32),
@@ -221,11 +221,11 @@ impl MapCamera {
         // `take` has made sure that both planes are given.
         let [near_m, far_m] = planes.map(Option::unwrap_or_default);
         let lens = Lens { opening, near_m, far_m };
-        let coding = DepthCoding::of_planes(lens.kind(), f64::from(near_m), f64::from(far_m));
+        let depth_coding = DepthCoding::of_planes(lens.kind(), f64::from(near_m), f64::from(far_m));
         let aspect = aspect as f32;
         let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: None };
-        let Some(shift) = &self.shift_px else { return Ok((camera, coding)) };
-        let shift = shift.get(files)?;
+        let Some(shift) = &self.shift_px else { return Ok((camera, depth_coding)) };
+        let shift_px = shift.get(files)?;
         let scale_y = match opening {
             FieldOfView::Angle(fov) => 1.0 / f64::from(0.5 * fov).tan(),
             FieldOfView::Height(height) => 2.0 / f64::from(height),
@@ -234,10 +234,10 @@ impl MapCamera {
             kind: lens.kind(),
             scale: [scale_y / f64::from(aspect), scale_y].map(|scale| scale as f32),
             // Pixels with y down become normalised device coordinates with y up.
-            shift: [2.0 * shift[0] / width, -2.0 * shift[1] / height].map(|shift| shift as f32),
-            depth: coding.as_f32(),
+            shift: [2.0 * shift_px[0] / width, -2.0 * shift_px[1] / height].map(|shift| shift as f32),
+            depth: depth_coding.as_f32(),
         };
-        Ok((Camera { projection: Some(projection), ..camera }, coding))
+        Ok((Camera { projection: Some(projection), ..camera }, depth_coding))
     }
 
     /// Makes the matrix from world to view space, in this program's axes and in metres.
@@ -252,14 +252,14 @@ impl MapCamera {
         check_rigid(&matrix).map_err(|why| files.error(numbers.line, format!("{} {why}", numbers.key)))?;
         let matrix = if is_inverse { matrix.inverse() } else { matrix };
         let (view, world) = (DMat4::from_mat3(conventions.view), DMat4::from_mat3(conventions.world));
-        let mut ours = view * matrix * world.transpose();
-        ours.w_axis = (ours.w_axis.truncate() * conventions.metres).extend(1.0);
-        if ours.determinant() < 0.0 {
+        let mut world_to_view = view * matrix * world.transpose();
+        world_to_view.w_axis = (world_to_view.w_axis.truncate() * conventions.metres).extend(1.0);
+        if world_to_view.determinant() < 0.0 {
             let message =
                 format!("{} mirrors the world: world or view of [conventions] must be another one", numbers.key);
             return Err(files.error(numbers.line, message));
         }
-        Ok(ours.as_mat4())
+        Ok(world_to_view.as_mat4())
     }
 }
 
@@ -272,72 +272,75 @@ fn camera_of_matrix(
     depth: &MapDepth,
     files: &mut MapFiles,
 ) -> Result<(Camera, DepthCoding)> {
-    let wrong = |why: &str| format!("[camera]: projection {why}");
+    let message_about = |reason: &str| format!("[camera]: projection {reason}");
     let numbers = matrix.get(files)?;
     let mut clip = conventions.matrix(&numbers) * DMat4::from_mat3(conventions.view.transpose());
     if depth.is_minus_one_to_one() {
         // The clip-space z is replaced by (z + w) / 2, which turns −1…1 into 0…1.
         clip = DMat4::from_cols(DVec4::X, DVec4::Y, 0.5 * DVec4::Z, DVec4::new(0.0, 0.0, 0.5, 1.0)) * clip;
     }
-    let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
-        .map_err(|why| files.error(matrix.line, wrong(why)))?;
-    let refused = |message: &str| Err(files.error(matrix.line, wrong(message)));
-    if read.axis_signs.z < 0.0 {
+    let parsed = ReadProjection::new(&clip.as_mat4(), conventions.clip_y == ClipY::Up)
+        .map_err(|reason| files.error(matrix.line, message_about(reason)))?;
+    let refused = |reason: &str| Err(files.error(matrix.line, message_about(reason)));
+    if parsed.axis_signs.z < 0.0 {
         return refused(
             "looks backwards: view of [conventions] must be another one, or matrices are in the other order",
         );
     }
-    if read.axis_signs.x < 0.0 {
+    if parsed.axis_signs.x < 0.0 {
         return refused("mirrors the image from left to right: view of [conventions] must be another one");
     }
-    if read.axis_signs.y < 0.0 {
+    if parsed.axis_signs.y < 0.0 {
         return refused("has the image upside down: clip-y or view of [conventions] must be another one");
     }
-    if depth.is_reversed().is_some_and(|is_reversed| is_reversed != read.is_reversed) {
-        let given = if read.is_reversed { "reversed" } else { "standard" };
-        return refused(&format!("gives {given} depth, and kind of [depth] says otherwise"));
+    if depth.is_reversed().is_some_and(|is_reversed| is_reversed != parsed.is_reversed) {
+        let found = if parsed.is_reversed { "reversed" } else { "standard" };
+        return refused(&format!("gives {found} depth, and kind of [depth] says otherwise"));
     }
     let metres = conventions.metres;
-    let own_near = (f64::from(read.near) * metres) as f32;
-    let own_far = (f64::from(read.far) * metres) as f32;
-    let (kind, [a, b]) = (read.projection.kind, read.projection.depth.map(f64::from));
-    // Numbers in the renderer's unit of length are converted to metres: `b` of a perspective is a length, and the scale
-    // and `b` of an orthographic projection are divided by lengths.
-    let (scale, b) = match kind {
-        ProjectionKind::Perspective => (read.projection.scale, b * metres),
+    let matrix_near_m = (f64::from(parsed.near) * metres) as f32;
+    let matrix_far_m = (f64::from(parsed.far) * metres) as f32;
+    let (kind, [depth_offset, depth_factor]) = (parsed.projection.kind, parsed.projection.depth.map(f64::from));
+    // Depth is offset + factor / z in a perspective, and offset + factor · z in an orthographic projection. The numbers
+    // are converted from the renderer's unit of length to metres.
+    let (scale, depth_factor) = match kind {
+        ProjectionKind::Perspective => (parsed.projection.scale, depth_factor * metres),
         ProjectionKind::Orthographic => {
-            (read.projection.scale.map(|scale| (f64::from(scale) / metres) as f32), b / metres)
+            (parsed.projection.scale.map(|scale| (f64::from(scale) / metres) as f32), depth_factor / metres)
         }
     };
-    let read_in_metres = Projection { scale, ..read.projection };
-    let lens =
-        Lens { opening: read_in_metres.opening(), near_m: near.unwrap_or(own_near), far_m: far.unwrap_or(own_far) };
+    let projection_in_metres = Projection { scale, ..parsed.projection };
+    let lens = Lens {
+        opening: projection_in_metres.opening(),
+        near_m: near.unwrap_or(matrix_near_m),
+        far_m: far.unwrap_or(matrix_far_m),
+    };
     if !lens.far_m.is_finite() {
         return refused("has its far plane at infinity: say far, beyond which everything counts as sky");
     }
-    let coding = DepthCoding { kind, numbers: [a, b] };
+    let file_coding = DepthCoding { kind, numbers: [depth_offset, depth_factor] };
     let camera_coding = if near.or(far).is_some() {
         DepthCoding::of_planes(kind, f64::from(lens.near_m), f64::from(lens.far_m))
     } else {
-        coding
+        file_coding
     };
-    let projection = Projection { depth: camera_coding.as_f32(), ..read_in_metres };
+    let projection = Projection { depth: camera_coding.as_f32(), ..projection_in_metres };
     let aspect = projection.scale[1] / projection.scale[0];
     let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: Some(projection) };
-    Ok((camera, coding))
+    Ok((camera, file_coding))
 }
 
 /// Makes the matrix from world to view space of a camera that looks from a point to another point or in a direction.
 fn matrix_of_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
-    let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
+    let vector = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
         let numbers = numbers.get(files)?;
         Ok([numbers[0], numbers[1], numbers[2]])
     };
     let MapPoints { eye, towards, is_point, up } = points;
-    let position = conventions.place(three(eye, files)?);
-    let given = three(towards, files)?;
-    let direction = if *is_point { conventions.place(given) - position } else { conventions.direction(given) };
-    let up = up.as_ref().map(|up| three(up, files)).transpose()?.map(|up| conventions.direction(up));
+    let position = conventions.place(vector(eye, files)?);
+    let target = vector(towards, files)?;
+    let direction = if *is_point { conventions.place(target) - position } else { conventions.direction(target) };
+    let up = up.as_ref().map(|up| vector(up, files)).transpose()?.map(|up| conventions.direction(up));
     let forward = direction.normalize_or_zero();
     let looks_along_up = up.is_some_and(|up| forward.cross(up.normalize_or_zero()).length() < 1e-6);
     if direction.length() < 1e-6 || looks_along_up {
@@ -364,7 +367,7 @@ fn check_rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
     Ok(())
 }
 
-/// Takes the keys of the lens, of which the section must have exactly one, or two for a focal length.
+/// Takes the keys of the lens. The section must have exactly one of them, or two for a focal length.
 fn take_lens(keys: &mut MapKeys) -> Result<MapLens> {
     const LENS_KEYS: [&str; 8] = [
         "fov-y-deg",
@@ -376,32 +379,32 @@ fn take_lens(keys: &mut MapKeys) -> Result<MapLens> {
         "focal-length-mm",
         "projection",
     ];
-    let given = LENS_KEYS.iter().filter(|key| keys.has(key)).count();
-    if given != 1 {
-        let how_many = if given == 0 { "no lens is given" } else { "more than one lens is given" };
+    let lens_count = LENS_KEYS.iter().filter(|key| keys.has(key)).count();
+    if lens_count != 1 {
+        let how_many = if lens_count == 0 { "no lens is given" } else { "more than one lens is given" };
         return Err(keys.error(keys.line, format!("{how_many}: say one of {LENS_WORDS}")));
     }
     let degrees = 1_f64.to_radians();
     let angles = [("fov-y-deg", 1, degrees), ("fov-x-deg", 0, degrees), ("fov-y-rad", 1, 1.0), ("fov-x-rad", 0, 1.0)];
-    let mut found = None;
+    let mut lens = None;
     // The keys of all lenses are taken, so that an error about an unknown key names them all.
     for (key, axis, to_radians) in angles {
         if let Some(angle) = keys.numbers(key, 1)? {
-            found = Some(MapLens::Angle { axis, angle, to_radians });
+            lens = Some(MapLens::Angle { axis, angle, to_radians });
         }
     }
     for (key, axis) in [("orthographic-height", 1), ("orthographic-width", 0)] {
         if let Some(extent) = keys.numbers(key, 1)? {
-            found = Some(MapLens::Extent { axis, extent });
+            lens = Some(MapLens::Extent { axis, extent });
         }
     }
     if let Some(matrix) = keys.numbers("projection", 16)? {
-        found = Some(MapLens::Matrix(matrix));
+        lens = Some(MapLens::Matrix(matrix));
     }
     let length = keys.numbers("focal-length-mm", 1)?;
     let [width, height] = ["sensor-width-mm", "sensor-height-mm"].map(|key| keys.numbers(key, 1));
-    match (found, length, width?, height?) {
-        (Some(found), None, None, None) => Ok(found),
+    match (lens, length, width?, height?) {
+        (Some(lens), None, None, None) => Ok(lens),
         (None, Some(length), Some(sensor), None) => Ok(MapLens::Focal { axis: 0, length, sensor }),
         (None, Some(length), None, Some(sensor)) => Ok(MapLens::Focal { axis: 1, length, sensor }),
         _ => Err(keys.error(keys.line, "focal-length-mm goes with one of sensor-width-mm and sensor-height-mm")),

@@ -17,7 +17,7 @@ use std::path::Path;
 /// Share of pixels that may disagree without a message, since some do at edges and with normal maps.
 const TOLERATED_DISAGREEMENT: f64 = 0.05;
 
-/// Another reading of the map is believed only if it leaves at most this share of the disagreement.
+/// Greatest share of the disagreement that another reading of the map may leave if it is to be believed.
 const MUCH_BETTER: f64 = 0.5;
 
 /// Share of unrelated normals or wrong positions from which a message is given even if no other reading is better.
@@ -31,7 +31,7 @@ const TOLERATED_OFFSET: f64 = 0.01;
 #[derive(Debug, Clone)]
 pub(super) struct MapPosition {
     source: MapSource,
-    /// Whether the positions are in world space, and not in view space.
+    /// True if the positions are in world space, false if they are in view space.
     is_world: bool,
 }
 
@@ -50,25 +50,25 @@ impl MapPosition {
     }
 
     /// Returns the share of the pixels with a surface whose position disagrees with depth and camera.
-    fn share_off<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
+    fn share_wrong<'a>(&'a self, files: &mut MapFiles<'a>, conventions: &MapConventions, frame: &Frame) -> Result<f64> {
         let planes = self.source.read(files)?;
         let lens = LensMapping::new(&frame.camera);
         let to_view = frame.camera.world_to_view.as_dmat4();
-        let (mut wrong, mut all) = (0_usize, 0_usize);
+        let (mut wrong_count, mut compared_count) = (0_usize, 0_usize);
         for (pixel, depth) in frame.depth.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
             let ndc = super::pixel_ndc(frame.size, pixel);
             let expected = lens.point((ndc, view_z(&frame.camera, f64::from(*depth))));
-            let stated = planes.three(pixel);
-            let stated = match self.is_world {
-                true => to_view.transform_point3(conventions.place(stated)),
-                false => conventions.view * DVec3::from(stated) * conventions.metres,
+            let stored = planes.three(pixel);
+            let stored_in_view = match self.is_world {
+                true => to_view.transform_point3(conventions.place(stored)),
+                false => conventions.view * DVec3::from(stored) * conventions.metres,
             };
-            all += 1;
+            compared_count += 1;
             // A position that is NaN is not near, so that it counts as wrong.
-            let is_near = expected.distance(stated) <= TOLERATED_OFFSET * expected.length();
-            wrong += usize::from(!is_near);
+            let is_near = expected.distance(stored_in_view) <= TOLERATED_OFFSET * expected.length();
+            wrong_count += usize::from(!is_near);
         }
-        Ok(if all == 0 { 0.0 } else { wrong as f64 / all as f64 })
+        Ok(if compared_count == 0 { 0.0 } else { wrong_count as f64 / compared_count as f64 })
     }
 }
 
@@ -84,22 +84,25 @@ struct Frame {
 #[derive(Debug, Clone, Copy)]
 struct Disagreement {
     /// Share of the normals that disagree with the slopes.
-    slopes: f64,
+    wrong_normals: f64,
     /// Share of the normals that are unrelated to the slopes.
-    unrelated: f64,
+    unrelated_normals: f64,
     /// The mean angle between normals and slopes in degrees.
-    degrees: f64,
+    mean_degrees: f64,
     /// Share of the positions that disagree with depth and camera; 0 if the map has no positions.
-    places: f64,
+    wrong_places: f64,
 }
 
 impl Disagreement {
-    /// Makes the disagreement from a comparison of normals with slopes and from the share of wrong positions, `places`.
-    /// If too few pixels can be compared, all normals count as wrong, so that such a reading is never preferred.
-    fn new(slopes: &Slopes, places: f64) -> Self {
+    /// Makes the disagreement from a comparison of normals with slopes and from `wrong_places`, the share of wrong
+    /// positions. If too few pixels can be compared, all normals count as wrong, so that such a reading is never
+    /// preferred.
+    fn new(slopes: &Slopes, wrong_places: f64) -> Self {
         match slopes.share_disagreeing().zip(slopes.share_unrelated()) {
-            Some((share, unrelated)) => Self { slopes: share, unrelated, degrees: slopes.mean_degrees(), places },
-            None => Self { slopes: 1.0, unrelated: 1.0, degrees: f64::INFINITY, places },
+            Some((wrong_normals, unrelated_normals)) => {
+                Self { wrong_normals, unrelated_normals, mean_degrees: slopes.mean_degrees(), wrong_places }
+            }
+            None => Self { wrong_normals: 1.0, unrelated_normals: 1.0, mean_degrees: f64::INFINITY, wrong_places },
         }
     }
 
@@ -107,27 +110,29 @@ impl Disagreement {
     /// the mean angle is smaller.
     fn agrees_better(self, other: Self) -> bool {
         // Readings that mirror the same axes differ by rounding alone. The factor keeps the first of them.
-        self.places < other.places || (self.places == other.places && self.degrees < 0.99 * other.degrees)
+        self.wrong_places < other.wrong_places
+            || (self.wrong_places == other.wrong_places && self.mean_degrees < 0.99 * other.mean_degrees)
     }
 
     /// Returns the sum of the shares of wrong normals and wrong positions.
     fn sum(self) -> f64 {
-        self.slopes + self.places
+        self.wrong_normals + self.wrong_places
     }
 
     /// Returns the larger of the shares of wrong normals and wrong positions.
     fn worst(self) -> f64 {
-        self.slopes.max(self.places)
+        self.wrong_normals.max(self.wrong_places)
     }
 
-    /// Returns the shares in words; that of positions is left out if the map has none.
+    /// Returns the shares in words. If the map has no positions, their share is left out.
     fn describe(self, has_places: bool) -> String {
         let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-        let slopes = format!("normals disagree with the slopes of the depth in {} of the pixels", percent(self.slopes));
+        let slopes =
+            format!("normals disagree with the slopes of the depth in {} of the pixels", percent(self.wrong_normals));
         if !has_places {
             return slopes;
         }
-        format!("{slopes} and places of [position] with depth and camera in {}", percent(self.places))
+        format!("{slopes} and places of [position] with depth and camera in {}", percent(self.wrong_places))
     }
 }
 
@@ -139,8 +144,8 @@ pub fn disagreement(data: &GBufferData) -> Option<String> {
         return None;
     }
     let stated = Disagreement::new(&slopes, 0.0);
-    let lens = slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, 0.0)));
-    message(stated, lens, false)
+    let best_lens = slopes.best_lens(&data.camera).map(|(words, fitted)| (words, Disagreement::new(&fitted, 0.0)));
+    message(stated, best_lens, false)
 }
 
 /// Returns the message about the disagreement `stated` of a map as it stands, if another reading is much better or more
@@ -153,7 +158,7 @@ fn message(stated: Disagreement, best: Option<(String, Disagreement)>, has_place
         Some((words, other)) if stated.worst() > TOLERATED_DISAGREEMENT => {
             Some(format!("{description}; with {words} it would be {:.0} %", 100.0 * other.worst()))
         }
-        _ if stated.unrelated.max(stated.places) > ALARMING_SHARE => {
+        _ if stated.unrelated_normals.max(stated.wrong_places) > ALARMING_SHARE => {
             let question = "is the picture a panorama or a cropped one, or is the lens, the camera's place or the kind \
                             of depth wrong?";
             Some(format!(
@@ -177,18 +182,18 @@ impl GBufferMap {
         if share.is_none_or(|share| share <= TOLERATED_DISAGREEMENT) && self.position.is_none() {
             return Ok(None);
         }
-        let (stated, mut open) = self.disagreement(main, OpenFiles::default());
+        let (stated, mut open_files) = self.disagreement(main, OpenFiles::default());
         let stated = stated?;
         if stated.worst() <= TOLERATED_DISAGREEMENT {
             return Ok(None);
         }
         let mut best: Option<(String, Disagreement)> = None;
         for reading in other_readings(self) {
-            let (other, files) = reading.map.disagreement(main, open);
-            open = files;
+            let (other, files_after) = reading.map.disagreement(main, open_files);
+            open_files = files_after;
             // A reading that gives no camera or no depth is skipped.
             let Ok(other) = other else { continue };
-            if best.as_ref().is_none_or(|(_, least)| other.agrees_better(*least)) {
+            if best.as_ref().is_none_or(|(_, best_so_far)| other.agrees_better(*best_so_far)) {
                 best = Some((reading.words, other));
             }
         }
@@ -196,38 +201,38 @@ impl GBufferMap {
         // positions, which would reveal a wrong lens by themselves.
         if self.position.is_none() {
             let fit = slopes.best_lens(&data.camera);
-            let lens = fit.map(|(words, fitted)| (words, Disagreement::new(&fitted, stated.places)));
+            let fitted_lens = fit.map(|(words, fitted)| (words, Disagreement::new(&fitted, stated.wrong_places)));
             let is_clearly_better = |other: &Disagreement| {
-                best.as_ref().is_none_or(|(_, least)| other.degrees < MUCH_BETTER * least.degrees)
+                best.as_ref().is_none_or(|(_, best_so_far)| other.mean_degrees < MUCH_BETTER * best_so_far.mean_degrees)
             };
-            if let Some(lens) = lens.filter(|(_, other)| is_clearly_better(other)) {
-                best = Some(lens);
+            if let Some(lens_reading) = fitted_lens.filter(|(_, other)| is_clearly_better(other)) {
+                best = Some(lens_reading);
             }
         }
         Ok(message(stated, best, self.position.is_some()))
     }
 
-    /// Returns the disagreement of a frame that this map decodes. `open` are files that were read before. They are
-    /// returned, with those that this map read, so that the next reading of the map need not read them again.
-    fn disagreement(&self, main: &Path, open: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
-        let mut files = MapFiles::with_open(&self.path, main, self.arrangement(), open);
+    /// Returns the disagreement of a frame that this map decodes. `open_files` were read before. They are returned,
+    /// with those that this map read, so that the next reading of the map need not read them again.
+    fn disagreement(&self, main: &Path, open_files: OpenFiles) -> (Result<Disagreement>, OpenFiles) {
+        let mut files = MapFiles::with_open(&self.path, main, self.arrangement(), open_files);
         let measured = self.measure(&mut files);
         (measured, files.into_open())
     }
 
-    /// Decodes a frame by this map, and measures its disagreement.
+    /// Decodes a frame by this map, and measures how much its normals, depth and positions disagree.
     fn measure<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Disagreement> {
         let planes = self.depth.read(files)?;
         let size = files.size();
-        let (camera, coding) = self.camera.get(&self.conventions, &self.depth, files)?;
-        let depth = self.depth.to_reversed(&planes, &camera, coding, self.conventions.metres, size)?;
+        let (camera, depth_coding) = self.camera.get(&self.conventions, &self.depth, files)?;
+        let depth = self.depth.to_reversed(&planes, &camera, depth_coding, self.conventions.metres, size)?;
         let normal = self.normals.read(files, &self.conventions, &camera, &depth)?;
         let frame = Frame { size, camera, depth, normal };
         let slopes = Slopes::new(&frame.camera, size, &frame.depth, &frame.normal);
-        let places = match &self.position {
-            Some(position) => position.share_off(files, &self.conventions, &frame)?,
+        let wrong_places = match &self.position {
+            Some(position) => position.share_wrong(files, &self.conventions, &frame)?,
             None => 0.0,
         };
-        Ok(Disagreement::new(&slopes, places))
+        Ok(Disagreement::new(&slopes, wrong_places))
     }
 }

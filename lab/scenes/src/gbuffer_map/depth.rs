@@ -104,11 +104,11 @@ impl MapDepth {
         Ok(Self { source, kind, near, far, sky_beyond, sky_value })
     }
 
-    /// Returns the other kinds with their words in maps: those that are lengths if this kind is one, else those of clip
-    /// space.
+    /// Returns the other kinds of depth, each with its word in maps: kinds that are lengths if this kind is one, else
+    /// kinds of clip space.
     pub fn other_kinds(&self) -> impl Iterator<Item = (&'static str, DepthKind)> + use<> {
-        let own = self.kind;
-        KINDS.into_iter().filter(move |(_, kind)| *kind != own && kind.is_linear() == own.is_linear())
+        let own_kind = self.kind;
+        KINDS.into_iter().filter(move |(_, kind)| *kind != own_kind && kind.is_linear() == own_kind.is_linear())
     }
 
     /// Returns this section with another kind of depth for the same channel.
@@ -130,12 +130,12 @@ impl MapDepth {
         }
     }
 
-    /// Returns the coding of depth in the files: between the planes of `[depth]` if that section has planes, else the
-    /// camera's coding. `metres` is the length of the renderer's unit.
-    pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
+    /// Returns the coding of depth in the files: between the planes of `[depth]` if that section has planes, else
+    /// `camera_coding`. `metres` is the length of the renderer's unit.
+    pub fn coding(&self, camera_coding: DepthCoding, metres: f64) -> DepthCoding {
         match self.near.zip(self.far) {
-            Some((near, far)) => DepthCoding::of_planes(camera.kind, near * metres, far * metres),
-            None => camera,
+            Some((near, far)) => DepthCoding::of_planes(camera_coding.kind, near * metres, far * metres),
+            None => camera_coding,
         }
     }
 
@@ -167,13 +167,13 @@ impl MapDepth {
             Some(projection) => coding.as_f32() == projection.depth,
             None => coding == DepthCoding::of_planes(camera.kind(), near, far),
         };
-        let reversed_of_z = |z: f64| match camera.projection {
+        let reversed_depth_of_z = |z: f64| match camera.projection {
             _ if z >= far => 0.0,
             Some(projection) => projection.kind.depth_at(projection.depth.map(f64::from), z),
             None if camera.kind().is_orthographic() => (far - z) / (far - near),
             None => near * (far - z) / (z * (far - near)),
         };
-        let sight_ray = sight_rays(camera, size);
+        let sight_ray_of = sight_rays(camera, size);
         let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - NEAR_TOLERANCE);
         // The camera's reversed depth of a pixel, counted row by row.
         let convert = |pixel: usize| -> Result<f32> {
@@ -182,49 +182,49 @@ impl MapDepth {
             if self.is_sky(raw) {
                 return Ok(0.0);
             }
-            let wrong = |must: &str| Err(planes.error(pixel, value, must));
+            let refused = |must: &str| Err(planes.error(pixel, value, must));
             let reversed = match self.kind {
                 DepthKind::Clip(ClipDepth::Reversed) => value,
                 DepthKind::Clip(ClipDepth::Standard) => 1.0 - value,
                 DepthKind::Clip(ClipDepth::MinusOneToOne) => 0.5 - 0.5 * value,
                 DepthKind::ViewZ | DepthKind::Distance | DepthKind::DistanceFromNear => {
-                    let ray_length = if self.kind == DepthKind::ViewZ { 1.0 } else { sight_ray(pixel).length() };
+                    let ray_length = if self.kind == DepthKind::ViewZ { 1.0 } else { sight_ray_of(pixel).length() };
                     let start_z = if self.kind == DepthKind::DistanceFromNear { near } else { 0.0 };
                     let z = start_z + value * metres / ray_length;
                     if is_too_near(z) {
-                        return wrong("not be nearer than the near plane, unless sky-value says that it is sky");
+                        return refused("not be nearer than the near plane, unless sky-value says that it is sky");
                     }
-                    return Ok(reversed_of_z(z).clamp(0.0, 1.0) as f32);
+                    return Ok(reversed_depth_of_z(z).clamp(0.0, 1.0) as f32);
                 }
             };
             if !(0.0..=1.0).contains(&reversed) {
                 let range = if self.is_minus_one_to_one() { "lie in -1 to 1" } else { "lie in 0 to 1" };
-                return wrong(range);
+                return refused(range);
             }
             if is_camera_coding {
                 return Ok(reversed as f32);
             }
             let z = coding.view_z(reversed);
             if is_too_near(z) {
-                return wrong("not be nearer than the near plane of [camera]");
+                return refused("not be nearer than the near plane of [camera]");
             }
-            Ok(reversed_of_z(z).clamp(0.0, 1.0) as f32)
+            Ok(reversed_depth_of_z(z).clamp(0.0, 1.0) as f32)
         };
         (0..size[0] as usize * size[1] as usize).map(convert).collect()
     }
 
     /// Returns true if a value of the file stands for sky.
     fn is_sky(&self, raw: f64) -> bool {
-        // Pixels are 32-bit floats. A limit such as 0.05 equals the pixels that stand for it only if it is rounded too.
-        let stored = |number: f64| f64::from(number as f32);
-        let beyond = match (self.kind, self.sky_beyond.map(stored)) {
+        // Pixels are 32-bit floats. A limit such as 0.05 equals pixels of that value only if it is rounded, too.
+        let rounded_to_f32 = |number: f64| f64::from(number as f32);
+        let is_beyond = match (self.kind, self.sky_beyond.map(rounded_to_f32)) {
             (DepthKind::Clip(ClipDepth::Reversed), limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Clip(ClipDepth::Standard | ClipDepth::MinusOneToOne), limit) => raw >= limit.unwrap_or(1.0),
             (_, Some(limit)) => raw.abs() >= limit.abs(),
             // Infinite distances of either sign are sky; `to_reversed` makes sky of finite ones beyond the far plane.
             (_, None) => raw.is_infinite(),
         };
-        beyond || self.sky_value.is_some_and(|sky| raw == stored(sky))
+        is_beyond || self.sky_value.is_some_and(|sky| raw == rounded_to_f32(sky))
     }
 }
 

@@ -43,7 +43,7 @@ pub(super) type OpenFiles = BTreeMap<PathBuf, Vec<ExrPart>>;
 /// Arrangement of the image in the files of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Arrangement<'a> {
-    /// Whether the first row of the files is the lowest row of the image.
+    /// True if the first row of the files is the lowest row of the image.
     pub bottom_up: bool,
     /// The view to read from files with several views, such as one of two eyes.
     pub view: Option<&'a str>,
@@ -55,12 +55,12 @@ pub(super) struct MapFiles<'a> {
     pub map: &'a Path,
     main: &'a Path,
     arrangement: Arrangement<'a>,
-    open: OpenFiles,
+    open_files: OpenFiles,
     /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
     /// The width of a pixel over its height, from the header of the same file.
     pixel_aspect: f64,
-    /// Whether the map has asked for anything in the main file.
+    /// True once the map has asked for anything in the main file.
     main_is_used: bool,
 }
 
@@ -71,14 +71,14 @@ impl<'a> MapFiles<'a> {
         Self::with_open(map, main, arrangement, OpenFiles::new())
     }
 
-    /// Makes the files like [`Self::new`], with some that were read before.
-    pub fn with_open(map: &'a Path, main: &'a Path, arrangement: Arrangement<'a>, open: OpenFiles) -> Self {
-        Self { map, main, arrangement, open, size: None, pixel_aspect: 1.0, main_is_used: false }
+    /// Makes the files like [`Self::new`], with `open_files` that were read before.
+    pub fn with_open(map: &'a Path, main: &'a Path, arrangement: Arrangement<'a>, open_files: OpenFiles) -> Self {
+        Self { map, main, arrangement, open_files, size: None, pixel_aspect: 1.0, main_is_used: false }
     }
 
     /// Returns the files that were read.
     pub fn into_open(self) -> OpenFiles {
-        self.open
+        self.open_files
     }
 
     /// Makes an error at a line of the map.
@@ -122,23 +122,25 @@ impl<'a> MapFiles<'a> {
         self.open(source.file.as_deref(), source.line)?;
         let path = self.path(source.file.as_deref());
         let file = path.display().to_string();
-        let wrong = |message: String| Error::malformed(self.map, Some(source.line), message);
-        let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
+        let error_at_source = |message: String| Error::malformed(self.map, Some(source.line), message);
+        let parts = self.open_files.get(&path).map_or(&[][..], Vec::as_slice);
         let (part, channel) =
-            find_channel(parts, source.part.as_deref(), self.arrangement.view, name, &file).map_err(wrong)?;
+            find_channel(parts, source.part.as_deref(), self.arrangement.view, name, &file).map_err(error_at_source)?;
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
-            return Err(wrong(format!(
+            return Err(error_at_source(format!(
                 "channel {name} of {file} was rounded by {compression}; depth, normals and sky must be compressed \
                  without loss (in Blender, Output, Codec: ZIP)"
             )));
         }
         let [width, height] = part.size;
         if channel.values.len() != width as usize * height as usize {
-            return Err(wrong(format!("channel {name} of {file} has fewer values than pixels")));
+            return Err(error_at_source(format!("channel {name} of {file} has fewer values than pixels")));
         }
-        if let Some(([first_width, first_height], first)) = self.size.as_ref().filter(|(size, _)| *size != part.size) {
-            return Err(wrong(format!(
-                "{file} has {width}x{height} pixels, and {first} has {first_width}x{first_height}"
+        if let Some(([first_width, first_height], first_file)) =
+            self.size.as_ref().filter(|(size, _)| *size != part.size)
+        {
+            return Err(error_at_source(format!(
+                "{file} has {width}x{height} pixels, and {first_file} has {first_width}x{first_height}"
             )));
         }
         let values = if self.arrangement.bottom_up {
@@ -162,19 +164,19 @@ impl<'a> MapFiles<'a> {
     pub fn attribute(&mut self, wanted: &AttributeName, line: usize, key: &str) -> Result<AttributeValue> {
         self.open(wanted.file.as_deref(), line)?;
         let path = self.path(wanted.file.as_deref());
-        let parts = self.open.get(&path).map_or(&[][..], Vec::as_slice);
+        let parts = self.open_files.get(&path).map_or(&[][..], Vec::as_slice);
         let is_searched = |part: &&ExrPart| wanted.part.is_none() || part.name == wanted.part;
         let mut searched: Vec<&ExrPart> = parts.iter().filter(is_searched).collect();
         searched.sort_by_key(|part| is_in_other_view(part, self.arrangement.view));
         if let Some(value) = searched.iter().find_map(|part| part.attributes.get(&wanted.name)) {
             return Ok(value.clone());
         }
-        let shown = path.display();
+        let file = path.display().to_string();
         let message = if searched.is_empty() {
-            missing_part(parts, wanted.part.as_deref().unwrap_or_default(), &shown.to_string())
+            missing_part(parts, wanted.part.as_deref().unwrap_or_default(), &file)
         } else {
             let names = distinct(searched.iter().flat_map(|part| part.attributes.keys()).map(String::as_str));
-            format!("there is no attribute {:?} in {shown}, which has {}", wanted.name, list_names(&names))
+            format!("there is no attribute {:?} in {file}, which has {}", wanted.name, list_names(&names))
         };
         Err(self.error(line, format!("{key}: {message}")))
     }
@@ -199,7 +201,7 @@ impl<'a> MapFiles<'a> {
     fn open(&mut self, file: Option<&str>, line: usize) -> Result<()> {
         let path = self.path(file);
         self.main_is_used |= path == self.main;
-        if self.open.contains_key(&path) {
+        if self.open_files.contains_key(&path) {
             return Ok(());
         }
         let bytes = match bounded::read(&path, "an image", MAX_BYTES) {
@@ -211,11 +213,11 @@ impl<'a> MapFiles<'a> {
         let parts = if bytes.starts_with(&magic_number::BYTES) {
             exr_parts::decode(&bytes, &path)?
         } else if bytes.starts_with(b"\x89PNG") {
-            vec![png(&bytes, &path)?]
+            vec![decode_png(&bytes, &path)?]
         } else {
             return Err(Error::malformed(&path, None, "is neither an OpenEXR nor a PNG image"));
         };
-        self.open.insert(path, parts);
+        self.open_files.insert(path, parts);
         Ok(())
     }
 }
@@ -230,26 +232,26 @@ fn pixel_aspect(part: &ExrPart) -> f64 {
 }
 
 /// Decodes a PNG with 8 or 16 bits to channels `R`, `G`, `B` and `A` from 0 to 1; a grey image has equal R, G and B.
-fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
+fn decode_png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     let ([width, height], rgba) = texture::unit_values(bytes, path)?;
-    let values = |component: usize| rgba.iter().skip(component).step_by(4).copied().collect();
-    let channel = |(component, name): (usize, &str)| {
-        (name.to_owned(), ExrChannel { values: values(component), rounded_by: None })
+    let values_of = |component: usize| rgba.iter().skip(component).step_by(4).copied().collect();
+    let named_channel = |(component, name): (usize, &str)| {
+        (name.to_owned(), ExrChannel { values: values_of(component), rounded_by: None })
     };
-    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel).collect();
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(named_channel).collect();
     let (shared_by, attributes) = Default::default();
     Ok(ExrPart { name: None, view: None, shared_by, size: [width, height], channels, attributes })
 }
 
-/// Finds a channel, and returns it with its part. `part` names the part to search, or `None` for all. `name` is the
-/// name of the channel, or the names of part and channel with a point between them. In a file with several views, only
-/// `view` is searched, and parts and channels that belong to no view. `file` is for messages.
+/// Finds a channel, and returns it with its part. `wanted_part` names the part to search, or is `None` for all parts.
+/// `name` is the channel's name, or the names of part and channel with a point between them. In a file with several
+/// views, only `view` is searched, and parts and channels that belong to no view. `file` is for messages.
 ///
 /// # Errors
 /// A message if the file has other views, if no channel has the name, or if several parts have it.
 fn find_channel<'a>(
     parts: &'a [ExrPart],
-    part: Option<&str>,
+    wanted_part: Option<&str>,
     view: Option<&str>,
     name: &str,
     file: &str,
@@ -258,41 +260,43 @@ fn find_channel<'a>(
     if let Some(view) = view.filter(|view| !views.is_empty() && !views.contains(view)) {
         return Err(format!("there is no view {view:?} in {file}, which has {}", list_names(&views)));
     }
-    let is_part = |candidate: &ExrPart| {
-        let own = candidate.name.as_deref();
-        part.is_none() || own == part || (view.is_some() && own.map(|own| without_view(candidate, own)) == part)
+    let is_wanted_part = |part: &ExrPart| {
+        let own_name = part.name.as_deref();
+        let has_name_without_view = || view.is_some() && own_name.map(|own| without_view(part, own)) == wanted_part;
+        wanted_part.is_none() || own_name == wanted_part || has_name_without_view()
     };
-    let searched = || parts.iter().filter(|candidate| !is_in_other_view(candidate, view) && is_part(candidate));
-    if searched().next().is_none() {
-        return Err(missing_part(parts, part.unwrap_or_default(), file));
+    let searched_parts = || parts.iter().filter(|part| !is_in_other_view(part, view) && is_wanted_part(part));
+    if searched_parts().next().is_none() {
+        return Err(missing_part(parts, wanted_part.unwrap_or_default(), file));
     }
     // A channel may be named with or without its view, and with or without its part, in the file and in the map.
-    let has_name = |candidate: &ExrPart, channel: &str| {
-        let plain = view.and_then(|view| without_view_inside(channel, view));
-        let is_full_name = |long: &str, short: &str| within_part(candidate, long) == Some(short);
+    let has_name = |part: &ExrPart, channel: &str| {
+        let is_full_name = |full: &str, short: &str| within_part(part, full) == Some(short);
         let is_name = |channel: &str| {
-            channel == name || is_full_name(name, channel) || (part.is_some() && is_full_name(channel, name))
+            channel == name || is_full_name(name, channel) || (wanted_part.is_some() && is_full_name(channel, name))
         };
-        is_name(channel) || plain.is_some_and(|plain| is_name(&plain))
+        let channel_without_view = view.and_then(|view| without_view_inside(channel, view));
+        is_name(channel) || channel_without_view.is_some_and(|channel| is_name(&channel))
     };
-    // Whether a channel belongs to the view; `None` if it belongs to no view.
-    let is_own = |part: &ExrPart, channel: &str| match view {
-        Some(view) => view_of_channel(part, channel, view).map(|own| own == view),
+    // True if a channel belongs to the view, false if to another view; `None` if it belongs to no view.
+    let is_of_view = |part: &ExrPart, channel: &str| match view {
+        Some(view) => view_of_channel(part, channel, view).map(|own_view| own_view == view),
         None => Some(true),
     };
-    let channels = || {
-        let all = searched().flat_map(|part| part.channels.iter().map(move |(name, values)| (part, name, values)));
-        all.filter(|(part, channel, _)| is_own(part, channel) != Some(false))
+    let searched_channels = || {
+        let channels =
+            searched_parts().flat_map(|part| part.channels.iter().map(move |(name, values)| (part, name, values)));
+        channels.filter(|(part, channel, _)| is_of_view(part, channel) != Some(false))
     };
-    let mut found: Vec<_> = channels().filter(|(part, channel, _)| has_name(part, channel)).collect();
+    let mut found: Vec<_> = searched_channels().filter(|(part, channel, _)| has_name(part, channel)).collect();
     // A channel of the view itself counts before one that belongs to no view.
-    if found.iter().any(|(part, channel, _)| is_own(part, channel).is_some()) {
-        found.retain(|(part, channel, _)| is_own(part, channel).is_some());
+    if found.iter().any(|(part, channel, _)| is_of_view(part, channel).is_some()) {
+        found.retain(|(part, channel, _)| is_of_view(part, channel).is_some());
     }
     match found[..] {
         [(part, _, values)] => Ok((part, values)),
         [] => {
-            let names: Vec<String> = channels().map(|(part, channel, _)| full_name(part, channel)).collect();
+            let names: Vec<String> = searched_channels().map(|(part, channel, _)| full_name(part, channel)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             Err(format!("there is no channel {name} in {file}, which has {}", list_names(&names)))
         }
@@ -331,19 +335,20 @@ fn without_view_inside(channel: &str, view: &str) -> Option<String> {
 
 /// Returns true if a part states another view than `view`.
 fn is_in_other_view(part: &ExrPart, view: Option<&str>) -> bool {
-    part.view.as_deref().zip(view).is_some_and(|(own, view)| own != view)
+    part.view.as_deref().zip(view).is_some_and(|(own_view, view)| own_view != view)
 }
 
 /// Returns the view of a channel by the rules of OpenEXR; `None` if it belongs to no view. In a part that several views
 /// share, the view stands before the last component, and a name without a point belongs to the default view. Some
 /// programs write such names without the attribute that lists the views; then only the view `wanted` is known.
 fn view_of_channel<'a>(part: &'a ExrPart, channel: &'a str, wanted: &str) -> Option<&'a str> {
-    let inside = channel.rsplit_once('.').and_then(|(before, _)| before.rsplit('.').next());
-    match (&part.view, inside) {
-        (Some(own), _) => Some(own),
+    let view_in_name = channel.rsplit_once('.').and_then(|(before, _)| before.rsplit('.').next());
+    match (&part.view, view_in_name) {
+        (Some(view_of_part), _) => Some(view_of_part),
         (None, None) => part.shared_by.first().map(String::as_str),
-        (None, Some(inside)) => {
-            Some(inside).filter(|view| *view == wanted || part.shared_by.iter().any(|own| own == view))
+        (None, Some(view_in_name)) => {
+            let is_view = view_in_name == wanted || part.shared_by.iter().any(|view| view == view_in_name);
+            is_view.then_some(view_in_name)
         }
     }
 }
@@ -351,10 +356,9 @@ fn view_of_channel<'a>(part: &'a ExrPart, channel: &'a str, wanted: &str) -> Opt
 /// Returns the rest of a channel's name after the name of its part and a point; `None` if the name does not begin with
 /// them.
 fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
-    let own = part.name.as_deref()?;
-    let plain = without_view(part, own);
-    let rest_after = |part: &str| name.strip_prefix(part)?.strip_prefix('.');
-    rest_after(own).or_else(|| rest_after(plain))
+    let part_name = part.name.as_deref()?;
+    let rest_after = |prefix: &str| name.strip_prefix(prefix)?.strip_prefix('.');
+    rest_after(part_name).or_else(|| rest_after(without_view(part, part_name)))
 }
 
 /// Returns the name of a channel with the name of its part in front, unless the channel's name begins with it.
@@ -368,11 +372,11 @@ fn full_name(part: &ExrPart, channel: &str) -> String {
 /// Makes the message about a part that a file lacks, with the names of its parts.
 fn missing_part(parts: &[ExrPart], part: &str, file: &str) -> String {
     let names: Vec<&str> = parts.iter().filter_map(|part| part.name.as_deref()).collect();
-    let which = if names.is_empty() { "no parts with a name".to_owned() } else { list_names(&names) };
-    format!("there is no part {part:?} in {file}, which has {which}")
+    let existing = if names.is_empty() { "no parts with a name".to_owned() } else { list_names(&names) };
+    format!("there is no part {part:?} in {file}, which has {existing}")
 }
 
-/// Sorts names, and leaves out repetitions.
+/// Sorts names, and drops repeated ones.
 fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     names.collect::<BTreeSet<_>>().into_iter().collect()
 }

@@ -63,19 +63,21 @@ impl<'a> MapKeys<'a> {
         match self.take(key) {
             None => Ok(None),
             Some((Value::String(text), _)) => Ok(Some(text)),
-            Some((other, line)) => Err(self.error(line, format!("{key} must be a text, not {}", kind(&other)))),
+            Some((other, line)) => {
+                Err(self.error(line, format!("{key} must be a text, not {}", kind_in_words(&other))))
+            }
         }
     }
 
-    /// Takes a key whose value must be a word of `choices`, which pairs each word with what it stands for. Returns what
-    /// the word stands for, or `None` if the key is absent.
+    /// Takes a key whose value must be a word of `choices`, which pairs each word with its meaning. Returns the meaning
+    /// of the word, or `None` if the key is absent.
     pub fn word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
-        let found = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
+        let found = value.as_str().and_then(|stated| choices.iter().find(|(word, _)| *word == stated));
         match found {
-            Some((_, choice)) => Ok(Some(*choice)),
+            Some((_, meaning)) => Ok(Some(*meaning)),
             None => {
-                let message = format!("{key} must be one of {}, not {}", words(choices), value_text(&value));
+                let message = format!("{key} must be one of {}, not {}", quoted_words(choices), value_text(&value));
                 Err(self.error(line, message))
             }
         }
@@ -84,8 +86,8 @@ impl<'a> MapKeys<'a> {
     /// Takes a required key like [`Self::word`]; it is an error if the key is absent.
     pub fn required_word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
         match self.word(key, choices)? {
-            Some(choice) => Ok(choice),
-            None => Err(self.error(self.line, format!("{key} is missing: one of {}", words(choices)))),
+            Some(meaning) => Ok(meaning),
+            None => Err(self.error(self.line, format!("{key} is missing: one of {}", quoted_words(choices)))),
         }
     }
 
@@ -106,10 +108,10 @@ impl<'a> MapKeys<'a> {
     /// Takes a key whose value must be one finite number or three; `None` if the key is absent.
     pub fn one_or_three(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
-        let is_right = |numbers: &Vec<f64>| [1, 3].contains(&numbers.len()) && numbers.iter().all(|v| v.is_finite());
-        let numbers = flat_numbers(&value).filter(is_right);
-        let wrong = || self.error(line, format!("{key} must be a finite number or three, not {}", value_text(&value)));
-        numbers.ok_or_else(wrong).map(Some)
+        let is_allowed = |numbers: &Vec<f64>| [1, 3].contains(&numbers.len()) && numbers.iter().all(|v| v.is_finite());
+        let numbers = flat_numbers(&value).filter(is_allowed);
+        let error = || self.error(line, format!("{key} must be a finite number or three, not {}", value_text(&value)));
+        numbers.ok_or_else(error).map(Some)
     }
 
     /// Takes a key whose value must be names of channels, a text or a list of texts. Returns the names and the key's
@@ -121,10 +123,13 @@ impl<'a> MapKeys<'a> {
             Value::Array(list) => list.iter().map(|value| value.as_str().map(str::to_owned)).collect(),
             _ => None,
         };
-        let wrong = || {
-            self.error(line, format!("{key} must be the name of a channel or a list of names, not {}", kind(&value)))
+        let error = || {
+            self.error(
+                line,
+                format!("{key} must be the name of a channel or a list of names, not {}", kind_in_words(&value)),
+            )
         };
-        list.ok_or_else(wrong).map(|list| Some((list, line)))
+        list.ok_or_else(error).map(|list| Some((list, line)))
     }
 
     /// Takes a key whose value must be `count` finite numbers, or a table that names an attribute of a file with them;
@@ -134,8 +139,8 @@ impl<'a> MapKeys<'a> {
         let from = if let Value::Table(table) = value {
             NumbersFrom::Attribute(self.attribute(key, line, table)?)
         } else {
-            let is_right = |numbers: &Vec<f64>| numbers.len() == count && numbers.iter().all(|v| v.is_finite());
-            let numbers = flat_numbers(&value).filter(is_right);
+            let is_allowed = |numbers: &Vec<f64>| numbers.len() == count && numbers.iter().all(|v| v.is_finite());
+            let numbers = flat_numbers(&value).filter(is_allowed);
             NumbersFrom::Here(numbers.ok_or_else(|| {
                 let expected =
                     if count == 1 { "a finite number".to_owned() } else { format!("{count} finite numbers") };
@@ -163,7 +168,9 @@ impl<'a> MapKeys<'a> {
         match self.take(key) {
             None => Ok(None),
             Some((Value::Table(table), line)) => Ok(Some(self.table_keys(key, line, table))),
-            Some((other, line)) => Err(self.error(line, format!("{key} must be a table, not {}", kind(&other)))),
+            Some((other, line)) => {
+                Err(self.error(line, format!("{key} must be a table, not {}", kind_in_words(&other))))
+            }
         }
     }
 
@@ -188,8 +195,8 @@ impl<'a> MapKeys<'a> {
 }
 
 /// Lists the words of `choices` in quotation marks, with commas between them.
-fn words<T>(choices: &[(&str, T)]) -> String {
-    choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+fn quoted_words<T>(choices: &[(&str, T)]) -> String {
+    choices.iter().map(|(word, _)| format!("{word:?}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the number in a value, with or without a decimal point; `None` for any other value.
@@ -197,25 +204,25 @@ fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-/// Returns a number as a list of one, or the numbers of a list, also of nested lists, in order; `None` if anything in
-/// the value is no number.
+/// Returns a number as a list of one number, or the numbers of a list and of lists in it, in order; `None` if anything
+/// in the value is no number.
 fn flat_numbers(value: &Value) -> Option<Vec<f64>> {
     match value {
         Value::Array(list) => list.iter().map(flat_numbers).collect::<Option<Vec<_>>>().map(|lists| lists.concat()),
-        other => number(other).map(|number| vec![number]),
+        single => number(single).map(|number| vec![number]),
     }
 }
 
 /// Writes a value for an error.
 fn value_text(value: &Value) -> String {
-    /// Greatest length of a value that is quoted; a longer value is described by its kind.
-    const LONGEST: usize = 40;
+    /// Greatest length, in bytes, of a value that is quoted; a longer value is described by its kind.
+    const LONGEST_BYTES: usize = 40;
     let text = value.to_string();
-    if text.len() <= LONGEST { text } else { kind(value).to_owned() }
+    if text.len() <= LONGEST_BYTES { text } else { kind_in_words(value).to_owned() }
 }
 
 /// Names the kind of a value for an error.
-fn kind(value: &Value) -> &'static str {
+fn kind_in_words(value: &Value) -> &'static str {
     match value {
         Value::String(_) => "a text",
         Value::Integer(_) | Value::Float(_) => "a number",

@@ -23,13 +23,13 @@ enum MapEncoding {
 #[derive(Debug, Clone)]
 pub(super) struct MapNormals {
     source: MapSource,
-    /// Whether the normals are in world space, and not in view space.
+    /// True if the normals are in world space, false if they are in view space.
     is_world: bool,
     encoding: MapEncoding,
 }
 
 /// Least length of a normal with a direction; a shorter one shows no surface, or a surface that is not lit.
-const SHORTEST: f64 = 1e-3;
+const SHORTEST_NORMAL: f64 = 1e-3;
 
 impl MapNormals {
     /// Takes the keys of the section `[normal]`.
@@ -90,8 +90,8 @@ impl MapNormals {
             }
             // The error shows the first value that is not finite, or else the first value.
             let values = || (0..self.source.count()).map(|plane| planes.value(plane, pixel));
-            let wrong = values().find(|value| !value.is_finite()).or(values().next()).unwrap_or(f64::NAN);
-            Err(planes.error(pixel, wrong, "be finite"))
+            let reported = values().find(|value| !value.is_finite()).or(values().next()).unwrap_or(f64::NAN);
+            Err(planes.error(pixel, reported, "be finite"))
         };
         depth.iter().enumerate().map(convert).collect()
     }
@@ -120,12 +120,12 @@ impl MapNormals {
 
 /// Returns true if a normal is long enough to have a direction.
 pub(super) fn has_direction(normal: Vec3) -> bool {
-    f64::from(normal.length()) >= SHORTEST
+    f64::from(normal.length()) >= SHORTEST_NORMAL
 }
 
 /// Scales a vector to length 1, or to zero if it is too short for a direction.
 fn unit_or_zero(vector: DVec3) -> DVec3 {
-    if vector.length() < SHORTEST { DVec3::ZERO } else { vector.normalize() }
+    if vector.length() < SHORTEST_NORMAL { DVec3::ZERO } else { vector.normalize() }
 }
 
 /// Returns the unit vector of octahedral coordinates from −1 to 1. The sphere is projected onto an octahedron, whose

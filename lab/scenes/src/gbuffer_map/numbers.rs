@@ -44,11 +44,11 @@ impl MapNumbers {
         })
     }
 
-    /// Returns the number of a key whose [`Self::count`] is 1.
+    /// Returns the only number of a key whose [`Self::count`] is 1.
     ///
     /// # Errors
     /// The errors of [`Self::get`].
-    pub fn one(&self, files: &mut MapFiles) -> Result<f64> {
+    pub fn single(&self, files: &mut MapFiles) -> Result<f64> {
         // The list is not empty, since `count` is 1.
         Ok(self.get(files)?.first().copied().unwrap_or_default())
     }

@@ -15,25 +15,27 @@ pub(super) struct Reading {
 /// is given.
 pub(super) fn other_readings(map: &GBufferMap) -> Vec<Reading> {
     let mut readings = Vec::new();
+    // Adds the map after `change`, which `words` describe.
     let mut add = |words: String, change: &dyn Fn(&mut GBufferMap)| {
-        let mut other = map.clone();
-        change(&mut other);
-        readings.push(Reading { words, map: other });
+        let mut changed = map.clone();
+        change(&mut changed);
+        readings.push(Reading { words, map: changed });
     };
-    // The first of equally good readings is taken. The order of rows comes before axes that mirror the image in the
-    // same way, since it is wrong more often.
+    // The check takes the first of equally good readings. The order of rows comes before axes that mirror the image in
+    // the same way, since it is wrong more often.
     let word = if map.bottom_up { "top-left" } else { "bottom-left" };
     add(format!("origin = {word:?}"), &|map| map.bottom_up = !map.bottom_up);
     for (word, kind) in map.depth.other_kinds() {
         add(format!("kind = {word:?} in [depth]"), &|map| map.depth = map.depth.with_kind(kind));
     }
-    let axes = |map: &GBufferMap, is_world: bool| if is_world { map.conventions.world } else { map.conventions.view };
+    let axes_of =
+        |map: &GBufferMap, is_world: bool| if is_world { map.conventions.world } else { map.conventions.view };
     for (key, is_world) in [("view", false), ("world", true)] {
-        for (word, named) in Axes::NAMES {
-            if named.to_ours() != axes(map, is_world) {
+        for (word, axes) in Axes::NAMES {
+            if axes.to_ours() != axes_of(map, is_world) {
                 add(format!("{key} = {word:?} in [conventions]"), &|map| {
                     let MapConventions { view, world, .. } = map.conventions;
-                    let (view, world) = if is_world { (view, named.to_ours()) } else { (named.to_ours(), world) };
+                    let (view, world) = if is_world { (view, axes.to_ours()) } else { (axes.to_ours(), world) };
                     map.conventions = MapConventions { view, world, ..map.conventions };
                 });
             }

@@ -18,7 +18,7 @@ pub(super) struct MapSource {
     scale: Option<f64>,
     /// Number that is added after the factor.
     offset: Option<f64>,
-    /// Whether files are refused whose compression rounds values.
+    /// True if files whose compression rounds values are refused.
     exact: bool,
 }
 
@@ -34,13 +34,13 @@ enum SourceFrom {
 pub(super) struct SourceRules {
     /// Allowed numbers of channels or constants.
     pub counts: &'static [usize],
-    /// Whether constants may replace channels.
+    /// True if constants may replace channels.
     pub may_be_constant: bool,
-    /// Whether the values may be encoded as sRGB.
+    /// True if the values may be encoded as sRGB.
     pub may_be_srgb: bool,
-    /// Whether the key `offset` is allowed, beside `scale`.
+    /// True if the key `offset` is allowed beside `scale`.
     pub has_offset: bool,
-    /// Whether files are refused whose compression rounds values.
+    /// True if files whose compression rounds values are refused.
     pub exact: bool,
 }
 
@@ -61,7 +61,7 @@ enum MapPlane {
 }
 
 impl MapPlane {
-    /// Returns the stored value of a pixel, which counts row by row.
+    /// Returns the stored value of a pixel; `pixel` counts row by row.
     fn value(&self, pixel: usize) -> f64 {
         match self {
             Self::Pixels(values) => f64::from(values[pixel]),
@@ -97,28 +97,29 @@ impl MapSource {
         let [file, part] = ["file", "part"].map(|key| keys.text(key));
         let [file, part] = [file?, part?];
         let allowed_counts = rules.counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
-        let names = if rules.counts.contains(&1) { keys.names("channel")? } else { None };
-        let names = if rules.counts == [1] { names } else { names.or(keys.names("channels")?) };
-        let value = if rules.may_be_constant { keys.one_or_three("value")? } else { None };
+        let one_name = if rules.counts.contains(&1) { keys.names("channel")? } else { None };
+        let names = if rules.counts == [1] { one_name } else { one_name.or(keys.names("channels")?) };
+        let constants = if rules.may_be_constant { keys.one_or_three("value")? } else { None };
         let encodings = [("linear", false), ("srgb", true)];
         let is_srgb = rules.may_be_srgb && keys.word("encoding", &encodings)?.unwrap_or(false);
         let scale = keys.number("scale", false)?;
         let offset = if rules.has_offset { keys.number("offset", false)? } else { None };
-        let from = match (names, value) {
+        let from = match (names, constants) {
             (Some((names, line)), None) => {
                 if !rules.counts.contains(&names.len()) {
                     return Err(keys.error(line, format!("{} channels are named, not {allowed_counts}", names.len())));
                 }
                 SourceFrom::Channels(ChannelSource { file, part, names, line })
             }
-            (None, Some(value)) => {
-                if !rules.counts.contains(&value.len()) {
-                    return Err(keys.error(line, format!("value has {} numbers, not {allowed_counts}", value.len())));
+            (None, Some(constants)) => {
+                if !rules.counts.contains(&constants.len()) {
+                    let message = format!("value has {} numbers, not {allowed_counts}", constants.len());
+                    return Err(keys.error(line, message));
                 }
                 if file.is_some() || part.is_some() {
                     return Err(keys.error(line, "file and part go with channels, not with a value"));
                 }
-                SourceFrom::Constants(value)
+                SourceFrom::Constants(constants)
             }
             (Some(_), Some(_)) => return Err(keys.error(line, "there is a channel and a value; one of them is enough")),
             (None, None) => {
@@ -147,8 +148,8 @@ impl MapSource {
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         let (planes, place) = match &self.from {
             SourceFrom::Channels(channels) => {
-                let channel = |name: &String| files.channel(channels, name, self.exact).map(MapPlane::Pixels);
-                let planes = channels.names.iter().map(channel).collect::<Result<_>>()?;
+                let read_channel = |name: &String| files.channel(channels, name, self.exact).map(MapPlane::Pixels);
+                let planes = channels.names.iter().map(read_channel).collect::<Result<_>>()?;
                 let path = files.path(channels.file.as_deref());
                 (planes, format!("{} of {}", channels.names.join(", "), path.display()))
             }
@@ -161,13 +162,13 @@ impl MapSource {
 }
 
 impl MapPlanes<'_> {
-    /// Returns a value of a pixel as stored in the file.
+    /// Returns the value of a pixel in a plane, as stored in the file.
     pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
-        // A single plane serves for all three values.
+        // A single plane, which is grey, serves for all three values of a colour.
         self.planes[plane.min(self.planes.len() - 1)].value(pixel)
     }
 
-    /// Returns a value of a pixel: decoded, multiplied by `scale`, and with `offset` added.
+    /// Returns the value of a pixel in a plane: decoded, multiplied by `scale`, and with `offset` added.
     pub fn value(&self, plane: usize, pixel: usize) -> f64 {
         let raw = self.raw(plane, pixel);
         let decoded = if self.source.is_srgb { f64::from(math::srgb_to_linear(raw as f32)) } else { raw };

@@ -9,8 +9,8 @@ use glam::Vec3;
 use ssct_geometry::texture;
 use ssct_ground::Result;
 
-/// A value outside 0 to 1 by at most this much is clamped, since filters and lossy compressions overshoot by about as
-/// much.
+/// Greatest distance outside 0 to 1 at which a value is clamped and not refused. Filters and lossy compressions
+/// overshoot by about as much.
 const OVERSHOOT: f64 = 0.01;
 
 /// The kinds of roughness that a channel may have.
@@ -33,13 +33,15 @@ pub(super) struct MapRoughness {
     kind: RoughnessKind,
 }
 
-/// Computes a value for each pixel by its number; sky, where the reversed depth is 0, gets 0.
-fn values_or_sky(depth: &[f32], value: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
-    let value_or_sky = |(pixel, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value(pixel) };
+/// Computes a value for each pixel by `value_of`, which takes the index of a pixel. Sky, where the reversed `depth` is
+/// 0, gets the value 0.
+fn values_or_sky(depth: &[f32], value_of: impl Fn(usize) -> Result<f32>) -> Result<Vec<f32>> {
+    let value_or_sky = |(pixel, depth): (usize, &f32)| if *depth <= 0.0 { Ok(0.0) } else { value_of(pixel) };
     depth.iter().enumerate().map(value_or_sky).collect()
 }
 
-/// Returns a value of a pixel, clamped to 0 to 1. It is an error if the value lies outside by more than [`OVERSHOOT`].
+/// Returns the value of a pixel in one plane, clamped to 0 to 1; an error if it lies outside by more than
+/// [`OVERSHOOT`].
 fn unit_value(planes: &MapPlanes, plane: usize, pixel: usize) -> Result<f64> {
     let value = planes.value(plane, pixel);
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&value) {
@@ -86,7 +88,7 @@ impl MapRoughness {
                 RoughnessKind::PhongExponent => match planes.value(0, pixel) {
                     0.0 => 1.0,
                     exponent if exponent > 0.0 => roughness_of_exponent(exponent as f32),
-                    other => return Err(planes.error(pixel, other, "be a number from 0 on")),
+                    refused => return Err(planes.error(pixel, refused, "be a number from 0 on")),
                 },
             })
         })
@@ -97,7 +99,7 @@ impl MapRoughness {
 #[derive(Debug, Clone)]
 pub(super) enum MapReflectivity {
     /// The reflectivity itself, as a number or a colour.
-    Given(MapSource),
+    Direct(MapSource),
     /// Values from which reflectivity is computed.
     Metallic(Box<MapMetallic>),
 }
@@ -106,24 +108,24 @@ pub(super) enum MapReflectivity {
 #[derive(Debug, Clone)]
 pub(super) struct MapMetallic {
     metallic: MapSource,
-    base: MapSource,
+    base_color: MapSource,
     /// The reflectivity of dielectrics along the normal; [`material_terms::F0`] if it is missing.
     f0: Option<MapSource>,
 }
 
 impl MapReflectivity {
     /// Takes the keys of the section `[reflectivity]`.
-    pub fn given(keys: MapKeys) -> Result<Self> {
+    pub fn take_direct(keys: MapKeys) -> Result<Self> {
         let rules = SourceRules { has_offset: true, ..SourceRules::COLOUR };
-        Ok(Self::Given(MapSource::take_section(keys, rules)?))
+        Ok(Self::Direct(MapSource::take_section(keys, rules)?))
     }
 
     /// Takes the keys of the sections `[metallic]`, `[base-color]` and `[f0]`.
-    pub fn metallic(metallic: MapKeys, base: MapKeys, f0: Option<MapKeys>) -> Result<Self> {
+    pub fn take_metallic(metallic: MapKeys, base_color: MapKeys, f0: Option<MapKeys>) -> Result<Self> {
         let metallic = MapSource::take_section(metallic, SourceRules::MATERIAL)?;
-        let base = MapSource::take_section(base, SourceRules::COLOUR)?;
+        let base_color = MapSource::take_section(base_color, SourceRules::COLOUR)?;
         let f0 = f0.map(|keys| MapSource::take_section(keys, SourceRules::MATERIAL)).transpose()?;
-        Ok(Self::Metallic(Box::new(MapMetallic { metallic, base, f0 })))
+        Ok(Self::Metallic(Box::new(MapMetallic { metallic, base_color, f0 })))
     }
 
     /// Reads the reflectivity of every pixel; it is 0 where the reversed `depth` is 0 (sky). A reflectivity that is
@@ -133,7 +135,7 @@ impl MapReflectivity {
     /// The errors of [`MapSource::read`]; [`Error::Malformed`](ssct_ground::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         match self {
-            Self::Given(source) => {
+            Self::Direct(source) => {
                 let planes = source.read(files)?;
                 values_or_sky(depth, |pixel| {
                     Ok(if source.count() == 1 {
@@ -144,15 +146,15 @@ impl MapReflectivity {
                 })
             }
             Self::Metallic(sources) => {
-                let MapMetallic { metallic, base, f0 } = sources.as_ref();
+                let MapMetallic { metallic, base_color, f0 } = sources.as_ref();
                 let metallic = metallic.read(files)?;
-                let base = base.read(files)?;
+                let base_color = base_color.read(files)?;
                 let f0 = f0.as_ref().map(|f0| f0.read(files)).transpose()?;
                 values_or_sky(depth, |pixel| {
                     let f0 = f0.as_ref().map(|f0| unit_value(f0, 0, pixel)).transpose()?;
                     let f0 = f0.map_or(material_terms::F0, |f0| f0 as f32);
                     let metallic = unit_value(&metallic, 0, pixel)? as f32;
-                    Ok(material_terms::reflectivity(unit_colour(&base, pixel)?, metallic, Vec3::splat(f0)))
+                    Ok(material_terms::reflectivity(unit_colour(&base_color, pixel)?, metallic, Vec3::splat(f0)))
                 })
             }
         }
@@ -163,7 +165,7 @@ impl MapReflectivity {
 #[derive(Debug, Clone)]
 pub(super) struct MapColour {
     source: MapSource,
-    /// The second factor of a product.
+    /// The second factor of a product, by which `source` is multiplied.
     times: Option<MapSource>,
 }
 
@@ -186,9 +188,9 @@ impl MapColour {
         let mut sum = vec![[0.0_f64; 3]; files.pixels()];
         for term in terms {
             let planes = term.source.read(files)?;
-            let times = term.times.as_ref().map(|times| times.read(files)).transpose()?;
+            let factor_planes = term.times.as_ref().map(|times| times.read(files)).transpose()?;
             for (pixel, sum) in sum.iter_mut().enumerate() {
-                let factors = times.as_ref().map_or([1.0; 3], |times| times.three(pixel));
+                let factors = factor_planes.as_ref().map_or([1.0; 3], |second| second.three(pixel));
                 for ((sum, value), factor) in sum.iter_mut().zip(planes.three(pixel)).zip(factors) {
                     if !(value * factor).is_finite() {
                         return Err(planes.error(pixel, value * factor, "be finite"));
@@ -206,12 +208,14 @@ impl MapColour {
 
 /// The channel that marks the surfaces that show the environment of [`sky`](crate::sky).
 #[derive(Debug, Clone)]
-pub(super) struct MapSky(MapSource);
+pub(super) struct MapSky {
+    source: MapSource,
+}
 
 impl MapSky {
     /// Takes the keys of the section `[sky]`.
     pub fn take(keys: MapKeys) -> Result<Self> {
-        Ok(Self(MapSource::take_section(keys, SourceRules::EXACT)?))
+        Ok(Self { source: MapSource::take_section(keys, SourceRules::EXACT)? })
     }
 
     /// Reads the kind of surface of every pixel: sky where the channel is above ½.
@@ -219,8 +223,8 @@ impl MapSky {
     /// # Errors
     /// The errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Vec<Surface>> {
-        let planes = self.0.read(files)?;
-        let surface = |pixel| if planes.value(0, pixel) > 0.5 { Surface::Sky } else { Surface::Lit };
-        Ok((0..files.pixels()).map(surface).collect())
+        let planes = self.source.read(files)?;
+        let surface_of = |pixel| if planes.value(0, pixel) > 0.5 { Surface::Sky } else { Surface::Lit };
+        Ok((0..files.pixels()).map(surface_of).collect())
     }
 }

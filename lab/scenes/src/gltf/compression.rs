@@ -10,8 +10,8 @@ use ssct_geometry::bounded;
 /// codecs.
 pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Greatest number of bytes that one byte may unpack to. A block of 256 equal vertices has one byte for each four bytes
-/// of a vertex, so that one byte unpacks to 1024; the rest is a margin.
+/// Greatest number of bytes that one compressed byte may unpack to. A block of 256 equal vertices has one byte for each
+/// four bytes of a vertex, so that one byte unpacks to 1024; the rest is a margin.
 const MOST_UNPACKED_PER_BYTE: u64 = 2048;
 
 /// Number of bytes that any view, however short, may unpack to.
@@ -32,13 +32,13 @@ pub(super) struct Compressed {
     filter: Option<String>,
 }
 
-/// Returns the compression of a view; `None` for an uncompressed view.
+/// Returns how a buffer view is compressed; `None` for an uncompressed view.
 ///
 /// # Errors
 /// A clause that names the member that is wrong.
-pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
-    let others = view.extensions.as_ref().map(|extensions| &extensions.others);
-    let Some(extension) = others.and_then(|others| NAMES.iter().find_map(|name| others.get(*name))) else {
+pub(super) fn compression_of(view: &View) -> Result<Option<Compressed>, String> {
+    let extensions = view.extensions.as_ref().map(|extensions| &extensions.others);
+    let Some(extension) = extensions.and_then(|members| NAMES.iter().find_map(|name| members.get(*name))) else {
         return Ok(None);
     };
     Compressed::deserialize(extension).map(Some).map_err(|e| format!("its compression is not one of meshopt: {e}"))
@@ -46,12 +46,9 @@ pub(super) fn compressed(view: &View) -> Result<Option<Compressed>, String> {
 
 /// Returns true if a buffer has no bytes of its own, because all of its views are compressed.
 pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
-    let others = buffer.extensions.as_ref().map(|extensions| &extensions.others);
-    others.is_some_and(|others| {
-        NAMES
-            .iter()
-            .any(|name| others.get(*name).and_then(|extension| extension.get("fallback")) == Some(&Value::Bool(true)))
-    })
+    let extensions = buffer.extensions.as_ref().map(|extensions| &extensions.others);
+    let is_fallback = |extension: &Value| extension.get("fallback") == Some(&Value::Bool(true));
+    extensions.is_some_and(|members| NAMES.iter().any(|name| members.get(*name).is_some_and(is_fallback)))
 }
 
 impl Compressed {
@@ -61,8 +58,8 @@ impl Compressed {
     /// A clause if members contradict each other or the format, or if the bytes are not in the format of meshopt.
     pub(super) fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, String> {
         let Self { byte_stride: stride, count, .. } = *self;
-        let unpacked = (stride as u64).saturating_mul(count as u64);
-        if unpacked > FREE_BYTES + MOST_UNPACKED_PER_BYTE * encoded.len() as u64 {
+        let unpacked_bytes = (stride as u64).saturating_mul(count as u64);
+        if unpacked_bytes > FREE_BYTES + MOST_UNPACKED_PER_BYTE * encoded.len() as u64 {
             return Err(format!("{} bytes cannot hold {count} elements of {stride} bytes", encoded.len()));
         }
         let damaged = |_| "its compressed bytes are damaged".to_owned();
@@ -74,10 +71,10 @@ impl Compressed {
             }
             // The decoder accepts only whole triangles, so that the count must be a multiple of three.
             ("TRIANGLES", 2 | 4) if count % 3 == 0 => {
-                Ok(indices(stride, &meshopt::decode_index_buffer::<u32>(encoded, count).map_err(damaged)?))
+                Ok(index_bytes(stride, &meshopt::decode_index_buffer::<u32>(encoded, count).map_err(damaged)?))
             }
             ("INDICES", 2 | 4) => {
-                Ok(indices(stride, &meshopt::decode_index_sequence::<u32>(encoded, count).map_err(damaged)?))
+                Ok(index_bytes(stride, &meshopt::decode_index_sequence::<u32>(encoded, count).map_err(damaged)?))
             }
             (mode, _) => Err(format!(
                 "{} with {count} elements of {stride} bytes is no mode of meshopt",
@@ -107,8 +104,8 @@ impl Compressed {
 }
 
 /// Returns the bytes of indices, with `stride` bytes (2 or 4) for each, the lowest byte first.
-fn indices(stride: usize, decoded: &[u32]) -> Vec<u8> {
-    decoded.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
+fn index_bytes(stride: usize, indices: &[u32]) -> Vec<u8> {
+    indices.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
 }
 
 /// An element of `N` 32-bit words.
@@ -127,17 +124,17 @@ fn decode_elements<const N: usize>(encoded: &[u8], count: usize) -> meshopt::Res
     Ok(elements.into_iter().flat_map(|element| element.0).collect())
 }
 
-/// Decodes `count` elements of `words` 32-bit words each, 1 to 64. There is a case for each size, since the crate takes
-/// the size from a type.
-fn decode_vertices(encoded: &[u8], count: usize, words: usize) -> meshopt::Result<Vec<u32>> {
-    macro_rules! sized {
-        ($($n:literal)*) => {
-            match words {
-                $($n => decode_elements::<$n>(encoded, count),)*
+/// Decodes `count` elements of `words_each` 32-bit words, 1 to 64. The macro writes a case for each size, since the
+/// crate takes the size from a type.
+fn decode_vertices(encoded: &[u8], count: usize, words_each: usize) -> meshopt::Result<Vec<u32>> {
+    macro_rules! decode_by_size {
+        ($($size:literal)*) => {
+            match words_each {
+                $($size => decode_elements::<$size>(encoded, count),)*
                 _ => unreachable!("the caller checks the stride"),
             }
         };
     }
-    sized!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
-           33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
+    decode_by_size!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
+                    33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
 }

@@ -23,8 +23,8 @@ use std::path::{Path, PathBuf};
 /// Greatest size, in bytes, of a buffer's file beside the document.
 const MAX_FILE_BYTES: u64 = 1 << 32;
 
-/// Greatest number of elements of an accessor without bytes in the file, whose elements are zeros. A short file could
-/// otherwise claim any number.
+/// Greatest number of elements of an accessor that has no bytes in the file, so that its elements are zeros. A short
+/// file could otherwise claim any number.
 const MAX_ZEROS: usize = 1 << 20;
 
 /// Base64 with or without its padding.
@@ -45,14 +45,14 @@ pub(super) struct Data<'a> {
 /// Location of an image's bytes.
 pub(super) enum ImageBytes<'a> {
     /// Bytes within the document or one of its buffers.
-    Here(Cow<'a, [u8]>),
+    Inside(Cow<'a, [u8]>),
     /// Path of a file.
     File(PathBuf),
 }
 
 impl<'a> Data<'a> {
-    /// Reads all buffers, and decodes the compressed views. `blob` is the binary chunk of a `.glb`, which is buffer 0.
-    pub(super) fn new(path: &'a Path, document: &'a Document, mut blob: Option<Vec<u8>>) -> Result<Self> {
+    /// Reads all buffers, and decodes the compressed views. The binary chunk of a `.glb` is buffer 0.
+    pub(super) fn new(path: &'a Path, document: &'a Document, mut binary_chunk: Option<Vec<u8>>) -> Result<Self> {
         let mut buffers = Vec::new();
         for (index, buffer) in document.as_json().buffers.iter().enumerate() {
             let bytes = match &buffer.uri {
@@ -71,13 +71,14 @@ impl<'a> Data<'a> {
                     buffers.push(Vec::new());
                     continue;
                 }
-                None => blob.take().filter(|_| index == 0).ok_or_else(|| {
+                None => binary_chunk.take().filter(|_| index == 0).ok_or_else(|| {
                     malformed(path, format!("buffer {index} has no address, and the file has no binary chunk for it"))
                 })?,
             };
-            let stated = buffer.byte_length.0;
-            if stated > bytes.len() as u64 {
-                let message = format!("buffer {index} has {} bytes where the document states {stated}", bytes.len());
+            let stated_bytes = buffer.byte_length.0;
+            if stated_bytes > bytes.len() as u64 {
+                let message =
+                    format!("buffer {index} has {} bytes where the document states {stated_bytes}", bytes.len());
                 return Err(malformed(path, message));
             }
             buffers.push(bytes);
@@ -86,7 +87,7 @@ impl<'a> Data<'a> {
         Ok(Self { path, document, buffers, decoded })
     }
 
-    /// Makes an error about the file.
+    /// Makes an error about the glTF file.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         malformed(self.path, message)
     }
@@ -101,7 +102,7 @@ impl<'a> Data<'a> {
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(outside)?;
         let start = view.byte_offset.map_or(0, |offset| offset.0);
         let end = start.checked_add(view.byte_length.0).ok_or_else(outside)?;
-        let [start, end] = [start, end].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
+        let [start, end] = [start, end].map(|offset| usize::try_from(offset).unwrap_or(usize::MAX));
         buffer.get(start..end).ok_or_else(outside)
     }
 
@@ -110,9 +111,9 @@ impl<'a> Data<'a> {
         let Some(image) = self.document.as_json().images.get(index) else {
             return Err(self.error(format!("there is no image {index}")));
         };
-        let name = |fallback: String| image.name.as_deref().map_or(fallback, bounded::printable_name);
+        let name_or = |fallback: String| image.name.as_deref().map_or(fallback, bounded::printable_name);
         if let Some(view) = image.buffer_view {
-            return Ok((name(format!("image {index}")), ImageBytes::Here(self.view(view.value())?.into())));
+            return Ok((name_or(format!("image {index}")), ImageBytes::Inside(self.view(view.value())?.into())));
         }
         let Some(uri) = &image.uri else {
             return Err(self.error(format!("image {index} has neither an address nor a buffer view")));
@@ -120,7 +121,7 @@ impl<'a> Data<'a> {
         Ok(match data_uri_bytes(uri) {
             Some(bytes) => {
                 let bytes = bytes.ok_or_else(|| self.error(format!("image {index} is not valid base64")))?;
-                (name(format!("image {index}")), ImageBytes::Here(bytes.into()))
+                (name_or(format!("image {index}")), ImageBytes::Inside(bytes.into()))
             }
             None => {
                 let file =
@@ -136,10 +137,10 @@ impl<'a> Data<'a> {
     /// [`Error::Malformed`] if the elements of the accessor do not have `N` components, or leave its buffer.
     pub(super) fn vectors<const N: usize>(&self, accessor: &Accessor, semantic: &Semantic) -> Result<Vectors<'_, N>> {
         let dimensions = accessor.dimensions();
-        let wanted = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4];
-        if wanted.get(N - 1) != Some(&dimensions) {
-            let what = semantic.to_string();
-            return Err(self.error(format!("accessor {} of {what} must have {N} components", accessor.index())));
+        let dimensions_by_count = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4];
+        if dimensions_by_count.get(N - 1) != Some(&dimensions) {
+            let semantic = semantic.to_string();
+            return Err(self.error(format!("accessor {} of {semantic} must have {N} components", accessor.index())));
         }
         self.numbers(accessor)
     }
@@ -189,7 +190,7 @@ impl<'a> Data<'a> {
         }
         let elements = self.elements(accessor)?;
         self.check_claim(accessor.index(), &elements)?;
-        Ok(Indices(elements))
+        Ok(Indices { elements })
     }
 
     /// Checks that an accessor claims no huge number of elements without bytes in the file, which are zeros. `index` is
@@ -211,42 +212,52 @@ impl<'a> Data<'a> {
     fn elements(&self, accessor: &Accessor) -> Result<Elements<'_>> {
         let index = accessor.index();
         let json = &self.document.as_json().accessors[index];
-        let size = accessor.size();
+        let element_bytes = accessor.size();
         let outside = || self.error(format!("accessor {index} leaves its buffer view"));
         let count = usize::try_from(json.count.0).map_err(|_| outside())?;
         let base = match json.buffer_view {
             Some(view) => {
                 let views = &self.document.as_json().buffer_views;
-                let stride =
-                    views.get(view.value()).and_then(|view| view.byte_stride).map_or(size, |bytes| bytes.0.max(1));
+                let stride = views
+                    .get(view.value())
+                    .and_then(|view| view.byte_stride)
+                    .map_or(element_bytes, |bytes| bytes.0.max(1));
                 let start = json.byte_offset.map_or(0, |offset| offset.0);
-                Some(Strided::new(self.view(view.value())?, start, stride, size, count).ok_or_else(outside)?)
+                Some(Strided::new(self.view(view.value())?, start, stride, element_bytes, count).ok_or_else(outside)?)
             }
             None => None,
         };
         let changed = match &json.sparse {
-            Some(sparse) => self.sparse_changes(sparse, index, count, size)?,
+            Some(sparse) => self.sparse_changes(sparse, index, count, element_bytes)?,
             None => Vec::new(),
         };
-        Ok(Elements { base, size, count, changed })
+        Ok(Elements { base, element_bytes, count, changed })
     }
 
     /// Returns the elements that a sparse accessor changes, each as its index and its bytes, in the order of their
-    /// indices. The accessor has the index `index` and `count` elements of `size` bytes.
-    fn sparse_changes(&self, sparse: &Sparse, index: usize, count: usize, size: usize) -> Result<Vec<(usize, &[u8])>> {
+    /// indices. The accessor has the index `index` and `count` elements of `element_bytes` bytes.
+    fn sparse_changes(
+        &self,
+        sparse: &Sparse,
+        index: usize,
+        count: usize,
+        element_bytes: usize,
+    ) -> Result<Vec<(usize, &[u8])>> {
         let outside = || self.error(format!("accessor {index}: its sparse elements leave their buffer view"));
         let changed_count = usize::try_from(sparse.count.0).map_err(|_| outside())?;
-        let Checked::Valid(IndexComponentType(kind)) = sparse.indices.component_type else { return Err(outside()) };
+        let Checked::Valid(IndexComponentType(index_type)) = sparse.indices.component_type else {
+            return Err(outside());
+        };
         let strided = |view: usize, start: u64, size: usize| -> Result<Strided<'_>> {
             Strided::new(self.view(view)?, start, size, size, changed_count).ok_or_else(outside)
         };
-        let indices = strided(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.size())?;
-        let values = strided(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;
-        let change = |number: usize| {
-            let element = little_endian(indices.get(number)) as usize;
-            if element < count { Ok((element, values.get(number))) } else { Err(outside()) }
+        let indices = strided(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, index_type.size())?;
+        let values = strided(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, element_bytes)?;
+        let change_at = |change: usize| {
+            let element = little_endian(indices.get(change)) as usize;
+            if element < count { Ok((element, values.get(change))) } else { Err(outside()) }
         };
-        let mut changed = (0..changed_count).map(change).collect::<Result<Vec<_>>>()?;
+        let mut changed = (0..changed_count).map(change_at).collect::<Result<Vec<_>>>()?;
         // A valid file has them in order already. The sort keeps the order of two changes of one element, of which the
         // last counts.
         changed.sort_by_key(|(element, _)| *element);
@@ -258,51 +269,52 @@ impl<'a> Data<'a> {
 fn decode_views(path: &Path, document: &Document, buffers: &[Vec<u8>]) -> Result<HashMap<usize, Vec<u8>>> {
     let mut decoded = HashMap::new();
     for (index, view) in document.as_json().buffer_views.iter().enumerate() {
-        let wrong = |message: String| malformed(path, format!("buffer view {index}: {message}"));
-        let Some(compressed) = compression::compressed(view).map_err(wrong)? else { continue };
+        let malformed_view = |message: String| malformed(path, format!("buffer view {index}: {message}"));
+        let Some(compressed) = compression::compression_of(view).map_err(malformed_view)? else { continue };
         let compression::Compressed { buffer, byte_offset, byte_length, .. } = compressed;
         let end = byte_offset.checked_add(byte_length);
-        let bytes = buffers.get(buffer).zip(end).and_then(|(bytes, end)| bytes.get(byte_offset..end));
-        let bytes = bytes.ok_or_else(|| wrong("its compressed bytes leave their buffer".to_owned()))?;
-        let unpacked = compressed.decode(bytes).map_err(wrong)?;
+        let compressed_bytes = buffers.get(buffer).zip(end).and_then(|(bytes, end)| bytes.get(byte_offset..end));
+        let compressed_bytes =
+            compressed_bytes.ok_or_else(|| malformed_view("its compressed bytes leave their buffer".to_owned()))?;
+        let unpacked = compressed.decode(compressed_bytes).map_err(malformed_view)?;
         if (unpacked.len() as u64) < view.byte_length.0 {
             let message = format!("has {} bytes where the document states {}", unpacked.len(), view.byte_length.0);
-            return Err(wrong(message));
+            return Err(malformed_view(message));
         }
         decoded.insert(index, unpacked);
     }
     Ok(decoded)
 }
 
-/// Elements of `size` bytes, one every `stride` bytes.
+/// Elements of `element_bytes` bytes, of which one begins every `stride` bytes.
 struct Strided<'a> {
     bytes: &'a [u8],
     stride: usize,
-    size: usize,
+    element_bytes: usize,
 }
 
 impl<'a> Strided<'a> {
-    /// Takes `count` elements of `size` bytes, of which one begins every `stride` bytes from `start` on; `None` if the
-    /// last one exceeds `bytes`.
-    fn new(bytes: &'a [u8], start: u64, stride: usize, size: usize, count: usize) -> Option<Self> {
+    /// Takes `count` elements of `element_bytes` bytes, of which one begins every `stride` bytes from `start` on;
+    /// `None` if the last one exceeds `bytes`.
+    fn new(bytes: &'a [u8], start: u64, stride: usize, element_bytes: usize, count: usize) -> Option<Self> {
         let bytes = bytes.get(usize::try_from(start).ok()?..)?;
         let end = match count.checked_sub(1) {
-            Some(last) => last.checked_mul(stride)?.checked_add(size)?,
+            Some(last) => last.checked_mul(stride)?.checked_add(element_bytes)?,
             None => 0,
         };
-        (end <= bytes.len()).then_some(Self { bytes, stride, size })
+        (end <= bytes.len()).then_some(Self { bytes, stride, element_bytes })
     }
 
     /// Returns the bytes of an element.
     fn get(&self, element: usize) -> &'a [u8] {
-        &self.bytes[element * self.stride..][..self.size]
+        &self.bytes[element * self.stride..][..self.element_bytes]
     }
 }
 
 /// The bytes of an accessor's elements: those of its view, or zeros if it has none, except for the changed elements.
 pub(super) struct Elements<'a> {
     base: Option<Strided<'a>>,
-    size: usize,
+    element_bytes: usize,
     count: usize,
     /// Indices and bytes of the changed elements, sorted by index.
     changed: Vec<(usize, &'a [u8])>,
@@ -312,10 +324,10 @@ impl<'a> Elements<'a> {
     /// Returns the bytes of an element: those of its last change, else those in the view, else zeros. An element has at
     /// most 64 bytes, the size of a matrix of floats.
     fn get(&self, element: usize) -> &'a [u8] {
-        let end = self.changed.partition_point(|(changed, _)| *changed <= element);
-        match end.checked_sub(1).map(|last| self.changed[last]) {
+        let changes_up_to_element = self.changed.partition_point(|(changed, _)| *changed <= element);
+        match changes_up_to_element.checked_sub(1).map(|last| self.changed[last]) {
             Some((changed, bytes)) if changed == element => bytes,
-            _ => self.base.as_ref().map_or(&[0; 64][..self.size], |base| base.get(element)),
+            _ => self.base.as_ref().map_or(&[0; 64][..self.element_bytes], |base| base.get(element)),
         }
     }
 }
@@ -333,33 +345,35 @@ impl<const N: usize> Vectors<'_, N> {
         self.elements.count
     }
 
-    /// Returns vector number `k`. If the accessor is normalized, integers are converted to 0…1 or −1…1.
-    pub(super) fn get(&self, k: usize) -> [f32; N] {
-        let unit = |value: f32, greatest: f32| if self.normalized { (value / greatest).max(-1.0) } else { value };
+    /// Returns the vector at an index. If the accessor is normalized, integers are converted to 0…1 or −1…1.
+    pub(super) fn get(&self, index: usize) -> [f32; N] {
+        let normalized = |value: f32, greatest: f32| if self.normalized { (value / greatest).max(-1.0) } else { value };
         let number = |bytes: &[u8]| -> f32 {
             match *bytes {
-                [a] if self.data_type == DataType::I8 => unit(f32::from(a as i8), 127.0),
-                [a] => unit(f32::from(a), 255.0),
-                [a, b] if self.data_type == DataType::I16 => unit(f32::from(i16::from_le_bytes([a, b])), 32767.0),
-                [a, b] => unit(f32::from(u16::from_le_bytes([a, b])), 65535.0),
+                [a] if self.data_type == DataType::I8 => normalized(f32::from(a as i8), 127.0),
+                [a] => normalized(f32::from(a), 255.0),
+                [a, b] if self.data_type == DataType::I16 => normalized(f32::from(i16::from_le_bytes([a, b])), 32767.0),
+                [a, b] => normalized(f32::from(u16::from_le_bytes([a, b])), 65535.0),
                 [a, b, c, d] if self.data_type == DataType::F32 => f32::from_le_bytes([a, b, c, d]),
-                [a, b, c, d] => unit(u32::from_le_bytes([a, b, c, d]) as f32, u32::MAX as f32),
+                [a, b, c, d] => normalized(u32::from_le_bytes([a, b, c, d]) as f32, u32::MAX as f32),
                 _ => 0.0,
             }
         };
-        let size = self.data_type.size();
-        let element = self.elements.get(k);
-        std::array::from_fn(|component| number(&element[component * size..(component + 1) * size]))
+        let number_bytes = self.data_type.size();
+        let element = self.elements.get(index);
+        std::array::from_fn(|component| number(&element[component * number_bytes..(component + 1) * number_bytes]))
     }
 }
 
 /// The indices of an accessor.
-pub(super) struct Indices<'a>(Elements<'a>);
+pub(super) struct Indices<'a> {
+    elements: Elements<'a>,
+}
 
 impl Indices<'_> {
     /// Returns the indices, in the order of the accessor.
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.0.count).map(|element| little_endian(self.0.get(element)))
+        (0..self.elements.count).map(|index| little_endian(self.elements.get(index)))
     }
 }
 
@@ -380,9 +394,9 @@ fn data_uri_bytes(uri: &str) -> Option<Option<Vec<u8>>> {
     if !scheme.trim_start().eq_ignore_ascii_case("data") {
         return None;
     }
-    let bytes = rest.split_once(',').and_then(|(kind, data)| {
+    let bytes = rest.split_once(',').and_then(|(media_type, data)| {
         let mut data: Vec<u8> = percent_decode_str(data).collect();
-        if !kind.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64")) {
+        if !media_type.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64")) {
             return Some(data);
         }
         data.retain(|byte| !byte.is_ascii_whitespace());
@@ -391,7 +405,7 @@ fn data_uri_bytes(uri: &str) -> Option<Option<Vec<u8>>> {
     Some(bytes.filter(|bytes| !bytes.is_empty()))
 }
 
-/// Returns the path of the file that an address names, relative to the document's folder. Addresses are
+/// Returns the path of the file that an address names, relative to the folder of the document at `path`. Addresses are
 /// percent-encoded; if no file has the decoded name, a file with the name as written is taken.
 ///
 /// # Errors

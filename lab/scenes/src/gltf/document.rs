@@ -31,55 +31,57 @@ pub(super) type Content = (Document, Value, Option<Vec<u8>>);
 /// [`Error::Malformed`] for other versions of glTF, other encodings of text, truncated files and wrong documents, each
 /// with its own message.
 pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<Content> {
-    let wrong = |message: String| Error::malformed(path, None, message);
-    let (text, blob) = unpack(bytes).map_err(wrong)?;
-    let mut value = parse(text).map_err(wrong)?;
-    check_version(&value).map_err(wrong)?;
+    let malformed = |message: String| Error::malformed(path, None, message);
+    let (text, binary_chunk) = unpack(bytes).map_err(malformed)?;
+    let mut value = parse(text).map_err(malformed)?;
+    check_version(&value).map_err(malformed)?;
     let mut extensions = BTreeSet::new();
     collect_extensions(&value, &mut extensions);
-    // Animations are taken out and read separately, so that a fault in them does not make the document wrong.
+    // Animations are taken out and read separately, so that a fault in them does not make the document malformed.
     let animations = value.as_object_mut().and_then(|document| document.remove("animations")).unwrap_or_default();
     mend(&mut value, notes);
-    check_lights(&value).map_err(|message| wrong(format!("is not glTF 2.0: {message}")))?;
+    check_lights(&value).map_err(|message| malformed(format!("is not glTF 2.0: {message}")))?;
     let draco_message = draco_only_message(&value);
-    let mut json: Root = parse_typed(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
+    let mut json: Root = parse_typed(value).map_err(|e| malformed(format!("is not glTF 2.0: {e}")))?;
     extensions.extend(std::mem::take(&mut json.extensions_used));
     json.extensions_used = extensions.into_iter().collect();
-    check_extensions(&mut json, notes).map_err(wrong)?;
+    check_extensions(&mut json, notes).map_err(malformed)?;
     if let Some(message) = draco_message {
-        return Err(wrong(message));
+        return Err(malformed(message));
     }
     mend_samplers(&mut json, notes);
-    validate(&json, notes).map_err(wrong)?;
-    Ok((Document::from_json_without_validation(json), animations, blob))
+    validate(&json, notes).map_err(malformed)?;
+    Ok((Document::from_json_without_validation(json), animations, binary_chunk))
 }
 
-/// Returns the JSON text of a file and, of a `.glb`, the binary chunk. The error is a message.
+/// Returns the JSON text of a `.gltf` or `.glb` file, and the binary chunk if a `.glb` has one. The error is a message.
 fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
     let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
-    let number = |offset: usize| {
+    let number_at = |offset: usize| {
         rest.get(offset..offset + 4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
     };
-    let (Some(version), Some(stated)) = (number(0), number(4)) else {
+    let (Some(version), Some(stated_bytes)) = (number_at(0), number_at(4)) else {
         return Err(format!("is a truncated .glb: it ends within its header, after {} bytes", bytes.len()));
     };
     if version != 2 {
         return Err(format!("is glTF {version}.0; version 2 is supported"));
     }
-    let stated = stated as usize;
-    if stated < 12 {
-        return Err(format!("is not glTF 2.0: it states a length of {stated} bytes, which its header alone exceeds"));
+    let stated_bytes = stated_bytes as usize;
+    if stated_bytes < 12 {
+        return Err(format!(
+            "is not glTF 2.0: it states a length of {stated_bytes} bytes, which its header alone exceeds"
+        ));
     }
-    if stated > bytes.len() {
-        return Err(format!("is a truncated .glb: it has {} bytes and states {stated}", bytes.len()));
+    if stated_bytes > bytes.len() {
+        return Err(format!("is a truncated .glb: it has {} bytes and states {stated_bytes}", bytes.len()));
     }
-    chunks(&bytes[12..stated])
+    split_chunks(&bytes[12..stated_bytes])
 }
 
 /// Splits the chunks of a `.glb`, without its header. Returns the first chunk, which must be JSON, and the first binary
 /// chunk; other chunks are ignored, as the specification demands. The error is a message.
-fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
-    let (mut json, mut blob) = (None, None);
+fn split_chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
+    let (mut json, mut binary) = (None, None);
     // A chunk is its length (4 bytes), its kind (4 bytes), and its content.
     while let [a, b, c, d, after_length @ ..] = rest
         && after_length.len() >= 4
@@ -92,12 +94,12 @@ fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), Stri
         match (kind, json) {
             (b"JSON", None) => json = Some(content),
             (_, None) => return Err("is not glTF 2.0: its first chunk is not JSON".to_owned()),
-            (b"BIN\0", Some(_)) if blob.is_none() => blob = Some(content.to_vec()),
+            (b"BIN\0", Some(_)) if binary.is_none() => binary = Some(content.to_vec()),
             _ => {}
         }
         rest = next_chunk;
     }
-    json.map(|json| (json, blob)).ok_or_else(|| "is a truncated .glb: it has no JSON".to_owned())
+    json.map(|json| (json, binary)).ok_or_else(|| "is a truncated .glb: it has no JSON".to_owned())
 }
 
 /// Parses the JSON text of a document, which may begin with a byte-order mark. The error is a message.
@@ -133,8 +135,8 @@ fn check_version(value: &Value) -> std::result::Result<(), String> {
         Some(Value::Number(version)) => version.as_f64().map(|number| format!("{number:.1}")),
         _ => None,
     };
-    let lists = ["nodes", "meshes", "accessors", "buffers", "scenes"];
-    let is_version_1 = lists.iter().any(|list| document.get(*list).is_some_and(Value::is_object));
+    let list_names = ["nodes", "meshes", "accessors", "buffers", "scenes"];
+    let is_version_1 = list_names.iter().any(|name| document.get(*name).is_some_and(Value::is_object));
     match version {
         Some(version) if !version.starts_with("2.") && version != "2" => {
             Err(format!("is glTF {version}; version 2 is supported"))
@@ -165,8 +167,8 @@ fn mend(document: &mut Value, notes: &mut Notes) {
         }
     }
     for texture in items(document, "textures") {
-        let webp = texture.get("extensions").and_then(|extensions| extensions.get(WEBP)?.get("source").cloned());
-        if let (Some(source), Some(texture)) = (webp, texture.as_object_mut()) {
+        let webp_source = texture.get("extensions").and_then(|extensions| extensions.get(WEBP)?.get("source").cloned());
+        if let (Some(source), Some(texture)) = (webp_source, texture.as_object_mut()) {
             // A file that also has the image as PNG or JPEG keeps that as its source.
             texture.entry("source").or_insert(source);
         }
@@ -256,7 +258,7 @@ fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(
             continue;
         }
         let sentence = match geometry_loss(name) {
-            Some(lost) => format!("{lost}, since the extension {name} is not supported"),
+            Some(loss) => format!("{loss}, since the extension {name} is not supported"),
             None => format!("the extension {name} is not supported and was ignored"),
         };
         notes.add(name, sentence);
@@ -294,22 +296,22 @@ pub(super) fn remedy(extension: &str) -> &'static str {
 /// # Errors
 /// A message about the first node whose light does not exist.
 fn check_lights(document: &Value) -> std::result::Result<(), String> {
-    let lights =
+    let light_count =
         document.pointer("/extensions/KHR_lights_punctual/lights").and_then(Value::as_array).map_or(0, Vec::len);
     let nodes = document.get("nodes").and_then(Value::as_array).into_iter().flatten();
     for (index, node) in nodes.enumerate() {
         let light = node.pointer("/extensions/KHR_lights_punctual/light").and_then(Value::as_u64);
-        if light.is_some_and(|light| light >= lights as u64) {
+        if light.is_some_and(|light| light >= light_count as u64) {
             return Err(format!("nodes[{index}].extensions.KHR_lights_punctual.light refers to what is not there"));
         }
     }
     Ok(())
 }
 
-/// Returns the message about the first mesh that exists only in Draco's format; `None` if there is none.
+/// Returns the message about the first mesh whose bytes exist only in Draco's format; `None` if there is no such mesh.
 fn draco_only_message(document: &Value) -> Option<String> {
     const DRACO: &str = "KHR_draco_mesh_compression";
-    let has_bytes = |primitive: &Value| {
+    let has_plain_bytes = |primitive: &Value| {
         let position = primitive.pointer("/attributes/POSITION").and_then(Value::as_u64);
         let accessor = position.and_then(|index| document.get("accessors")?.get(usize::try_from(index).ok()?));
         accessor.is_none_or(|accessor| accessor.get("bufferView").is_some())
@@ -318,13 +320,13 @@ fn draco_only_message(document: &Value) -> Option<String> {
         let primitives = mesh.get("primitives").and_then(Value::as_array).into_iter().flatten();
         let is_compressed =
             |primitive: &&Value| primitive.get("extensions").is_some_and(|extensions| extensions.get(DRACO).is_some());
-        primitives.filter(is_compressed).any(|primitive| !has_bytes(primitive))
+        primitives.filter(is_compressed).any(|primitive| !has_plain_bytes(primitive))
     };
     let index = document.get("meshes")?.as_array()?.iter().position(is_draco_only)?;
     Some(format!("meshes[{index}] has no bytes but those of {DRACO}; {}", remedy(DRACO)))
 }
 
-/// Replaces each invalid wrapping mode of an image by the default, which repeats it, and drops invalid filters.
+/// Replaces each invalid wrapping mode of an image by the default, which repeats the image, and drops invalid filters.
 fn mend_samplers(json: &mut Root, notes: &mut Notes) {
     for sampler in &mut json.samplers {
         sampler.mag_filter = sampler.mag_filter.take().filter(|filter| *filter != Checked::Invalid);
@@ -350,29 +352,30 @@ fn validate(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
     if positions.map(|index| index.value()).any(|index| index >= json.accessors.len()) {
         return Err("is not glTF 2.0: positions are in an accessor that is not there".to_owned());
     }
-    let mut first = None;
+    let mut first_fault = None;
     json.validate(json, JsonPath::new, &mut |path, fault| {
         let path = path_in_json(&path());
-        if !is_harmless(&path, fault, notes) && first.is_none() {
-            let what = match fault {
+        if !is_harmless(&path, fault, notes) && first_fault.is_none() {
+            let problem = match fault {
                 Fault::IndexOutOfBounds => "refers to what is not there",
                 Fault::Invalid => "has a value that it cannot have",
                 Fault::Missing => "is missing",
                 Fault::Oversize => "is too large",
                 Fault::Unsupported => "is not supported",
             };
-            first = Some(format!("is not glTF 2.0: {path} {what}"));
+            first_fault = Some(format!("is not glTF 2.0: {path} {problem}"));
         }
     });
-    first.map_or(Ok(()), Err)
+    first_fault.map_or(Ok(()), Err)
 }
 
 /// Returns the place of a fault with the names of the JSON. The crate names extensions by its own fields, such as
 /// `khrMaterialsIor`, which becomes `KHR_materials_ior`.
 fn path_in_json(path: &JsonPath) -> String {
-    let is_extension = |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
+    let is_extension_field =
+        |part: &str| part.strip_prefix("khr").is_some_and(|rest| rest.starts_with(char::is_uppercase));
     let parts = path.as_str().split('.').map(|part| {
-        if !is_extension(part) {
+        if !is_extension_field(part) {
             return part.to_owned();
         }
         let mut name = String::from("KHR");

@@ -38,17 +38,17 @@ pub(super) struct Coordinates {
     /// Angle in radians.
     rotation: f32,
     scale: [f32; 2],
-    /// Whether an image of the material is clamped or mirrored at its borders, and not repeated.
+    /// True if an image of the material is clamped or mirrored at its borders, and not repeated.
     pub(super) clamps: bool,
-    /// Whether an image needs the coordinates.
+    /// True if an image needs the coordinates.
     pub(super) has_images: bool,
 }
 
 impl Coordinates {
-    /// Transforms the texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards. The
-    /// prose and the test model of the extension `KHR_texture_transform` say so; the example code in its text has the
-    /// signs of the opposite direction.
-    pub(super) fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+    /// Scales, rotates and then shifts the texture coordinates of a vertex. The rotation is counter-clockwise as seen
+    /// with v downwards. The prose and the test model of the extension `KHR_texture_transform` say so; the example code
+    /// in its text has the signs of the opposite direction.
+    pub(super) fn transform_uv(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let (sin, cos) = self.rotation.sin_cos();
         let [u, v] = [u * self.scale[0], v * self.scale[1]];
         // Adding zero turns −0 into 0, so that welding finds equal bits.
@@ -87,7 +87,7 @@ impl<'a> TextureUse<'a> {
         let info = extension.get(key)?;
         let texture = data.document.textures().nth(usize::try_from(info.get("index")?.as_u64()?).ok()?)?;
         let set = info.get("texCoord").and_then(|set| u32::try_from(set.as_u64()?).ok());
-        let transform = info.get("extensions").and_then(|all| all.get("KHR_texture_transform"));
+        let transform = info.get("extensions").and_then(|extensions| extensions.get("KHR_texture_transform"));
         Some(Self::with_transform(texture, set.unwrap_or(0), transform))
     }
 
@@ -96,12 +96,12 @@ impl<'a> TextureUse<'a> {
     fn with_transform(texture: gltf::Texture<'a>, set: u32, transform: Option<&Value>) -> Self {
         let member = |key: &str| transform.and_then(|members| members.get(key));
         let pair = |key: &str, default: f32| {
-            let number = |index: usize| member(key).and_then(|pair| pair.get(index)?.as_f64());
-            [0, 1].map(|index| number(index).map_or(default, |value| value as f32))
+            let number_at = |index: usize| member(key).and_then(|list| list.get(index)?.as_f64());
+            [0, 1].map(|index| number_at(index).map_or(default, |value| value as f32))
         };
         let rotation = member("rotation").and_then(Value::as_f64).map_or(0.0, |angle| angle as f32);
-        let other_set = member("texCoord").and_then(|set| u32::try_from(set.as_u64()?).ok());
-        Self::new(texture, other_set.unwrap_or(set), pair("offset", 0.0), rotation, pair("scale", 1.0))
+        let replacing_set = member("texCoord").and_then(|set| u32::try_from(set.as_u64()?).ok());
+        Self::new(texture, replacing_set.unwrap_or(set), pair("offset", 0.0), rotation, pair("scale", 1.0))
     }
 
     /// Describes the use of a texture with a set of texture coordinates and their transform; `rotation` is in radians.
@@ -112,7 +112,7 @@ impl<'a> TextureUse<'a> {
     }
 
     /// Returns the index of the texture's image; `None`, with a note, if the file has it only in a format that is not
-    /// read. Another note says that the texture asks for its nearest texel, since all textures are filtered.
+    /// read. Another note is added if the texture asks for its nearest texel, since all textures are filtered.
     fn image(&self, data: &Data, notes: &mut Notes) -> Option<usize> {
         let sampler = self.texture.sampler();
         if sampler.mag_filter() == Some(MagFilter::Nearest) || sampler.min_filter() == Some(MinFilter::Nearest) {
@@ -123,8 +123,9 @@ impl<'a> TextureUse<'a> {
             let texture = data.document.as_json().textures.get(self.texture.index());
             let extension = texture.and_then(|texture| texture.extensions.as_ref()?.others.keys().next());
             let advice = extension.map_or("export the images as PNG, JPEG or WebP", |name| remedy(name));
-            let what = "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
-            notes.add("formats", format!("{what}; {advice}"));
+            let problem =
+                "images that are given neither as PNG nor as JPEG or WebP are not supported and were left out";
+            notes.add("formats", format!("{problem}; {advice}"));
         }
         image
     }
@@ -139,8 +140,8 @@ pub(super) fn shared_coordinates(data: &Data, material: &gltf::Material, notes: 
     let [base, metallic, emissive] = images.map(|info| info.map(|info| TextureUse::of_info(&info).coordinates));
     let normals = material.normal_texture().map(|normals| TextureUse::of_normals(&normals).coordinates);
     let specular = specular_textures(data, material).map(|texture| texture.map(|texture| texture.coordinates));
-    let mut all = [base, metallic, normals, emissive].into_iter().chain(specular).flatten();
-    let Some(first) = all.next() else {
+    let mut used_coordinates = [base, metallic, normals, emissive].into_iter().chain(specular).flatten();
+    let Some(first) = used_coordinates.next() else {
         return Coordinates {
             set: 0,
             offset: [0.0; 2],
@@ -151,13 +152,13 @@ pub(super) fn shared_coordinates(data: &Data, material: &gltf::Material, notes: 
         };
     };
     let mut clamps = first.clamps;
-    for other in all {
+    for other in used_coordinates {
         clamps |= other.clamps;
         if (Coordinates { clamps: first.clamps, ..other }) != first {
-            let what = "a material's images share one set of texture coordinates and one transform";
+            let rule = "a material's images share one set of texture coordinates and one transform";
             notes.add(
                 "coordinates",
-                format!("{what}; where they differ, those of the base colour count, or of the material's first image"),
+                format!("{rule}; where they differ, those of the base colour count, or of the material's first image"),
             );
         }
     }
@@ -195,15 +196,16 @@ type ImageId = usize;
 #[derive(Default)]
 struct BakedImages {
     list: Vec<Baked>,
-    /// Index of each image in the list. The key is its text in the format of `Debug`, since floats cannot be hashed.
+    /// Index of each image in the list. The key is the image's text in the format of `Debug`, since floats cannot be
+    /// hashed.
     index: HashMap<String, usize>,
 }
 
 impl BakedImages {
     /// Returns the index of an image in the list, to which it is added if it is new.
-    fn add(&mut self, wanted: Baked) -> usize {
-        *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
-            self.list.push(wanted);
+    fn add(&mut self, description: Baked) -> usize {
+        *self.index.entry(format!("{description:?}")).or_insert_with(|| {
+            self.list.push(description);
             self.list.len() - 1
         })
     }
@@ -228,29 +230,29 @@ impl Baked {
 }
 
 /// Adds the materials in use to the scene, in order, and bakes the images that they need. `used` has indices of the
-/// file's materials, with `None` for the default material. No image gets more than `side` texels along a side.
-pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut Scene, notes: &mut Notes) {
-    let mut baked = BakedImages::default();
+/// file's materials, with `None` for the default material. No image gets more than `max_side` texels along a side.
+pub(super) fn attach(data: &Data, used: &[Option<usize>], max_side: u32, scene: &mut Scene, notes: &mut Notes) {
+    let mut baked_images = BakedImages::default();
     for index in used {
         let material = match index {
             Some(index) => data.document.materials().nth(*index),
             None => None,
         };
         scene.materials.push(match material {
-            Some(material) => convert(data, &material, &mut baked, notes),
+            Some(material) => convert(data, &material, &mut baked_images, notes),
             None => default_material(),
         });
     }
-    let baked = baked.list;
-    let baker = Baker::new(data, side, &baked);
-    let bar = bounded::image_bar(baked.len());
+    let baked = baked_images.list;
+    let baker = Baker::new(data, max_side, &baked);
+    let progress_bar = bounded::image_bar(baked.len());
     let textures = baked.par_iter().map(|description| {
         let texture = baker.bake(description);
-        bar.inc(1);
+        progress_bar.inc(1);
         texture
     });
     scene.textures = textures.collect();
-    bar.finish_and_clear();
+    progress_bar.finish_and_clear();
     for (image, sentence) in baker.problems.into_inner().unwrap_or_else(PoisonError::into_inner) {
         notes.add(&format!("image {image}"), sentence);
     }
@@ -263,28 +265,29 @@ fn factors(material: &gltf::Material) -> Factors {
     let [r, g, b, _] = pbr.base_color_factor();
     // KHR_materials_ior gives the index 0 a meaning: everything is reflected (F0 = 1), as the formula yields.
     let ior = material.ior().filter(|ior| ior.is_finite() && *ior >= 0.0);
-    let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
+    let emissive_strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let specular = material.extension_value("KHR_materials_specular");
-    let number = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |number| number as f32);
-    let weight = number(specular.and_then(|members| members.get("specularFactor"))).clamp(0.0, 1.0);
-    let tint = specular.and_then(|members| members.get("specularColorFactor"));
-    let tint = Vec3::from([0, 1, 2].map(|channel| number(tint.and_then(|list| list.get(channel))).clamp(0.0, 1e6)));
+    let number_or_one = |value: Option<&Value>| value.and_then(Value::as_f64).map_or(1.0, |number| number as f32);
+    let specular_weight = number_or_one(specular.and_then(|members| members.get("specularFactor"))).clamp(0.0, 1.0);
+    let tint_list = specular.and_then(|members| members.get("specularColorFactor"));
+    let tint_channel = |channel: usize| number_or_one(tint_list.and_then(|list| list.get(channel))).clamp(0.0, 1e6);
+    let tint = Vec3::from([0, 1, 2].map(tint_channel));
     Factors {
         base: Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE),
         metallic: pbr.metallic_factor().clamp(0.0, 1.0),
-        emission: (Vec3::from(material.emissive_factor()) * strength).clamp(Vec3::ZERO, Vec3::splat(1e6)),
+        emission: (Vec3::from(material.emissive_factor()) * emissive_strength).clamp(Vec3::ZERO, Vec3::splat(1e6)),
         f0: tint * ior.map_or(F0, material_terms::f0_of_ior),
-        specular: weight,
+        specular: specular_weight,
         unlit: material.unlit(),
     }
 }
 
-/// Adds a note about each factor outside 0…1, which counts as the nearer bound.
-fn note_range(material: &gltf::Material, notes: &mut Notes) {
+/// Adds a note about each factor outside 0…1. Such a factor counts as the nearer bound.
+fn note_factors_out_of_range(material: &gltf::Material, notes: &mut Notes) {
     let pbr = material.pbr_metallic_roughness();
-    let colours = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
-    let numbers = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
-    for (name, value) in colours.into_iter().chain(numbers) {
+    let colour_factors = pbr.base_color_factor().map(|value| ("baseColorFactor", value));
+    let other_factors = [("metallicFactor", pbr.metallic_factor()), ("roughnessFactor", pbr.roughness_factor())];
+    for (name, value) in colour_factors.into_iter().chain(other_factors) {
         if (0.0..=1.0).contains(&value) {
             continue;
         }
@@ -312,13 +315,14 @@ fn default_material() -> Material {
     }
 }
 
-/// Converts a material of the file to one of the scene, whose maps are indices into `baked`. The images that it needs
-/// are added to `baked`. A map replaces the number beside it, which then becomes 1, since the baked map includes the
-/// factor.
+/// Converts a material of the file to one of the scene. The images that it needs are added to `baked`, and its maps are
+/// indices into this list. A map replaces the number of the same property, which then becomes 1, since the baked map
+/// includes the factor.
 fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
     let pbr = material.pbr_metallic_roughness();
     let factors = factors(material);
-    let specular = specular_textures(data, material).map(|texture| texture.and_then(|t| t.image(data, notes)));
+    let specular =
+        specular_textures(data, material).map(|texture| texture.and_then(|texture| texture.image(data, notes)));
     let mut image = |info: Option<Info>| info.and_then(|info| TextureUse::of_info(&info).image(data, notes));
     let base = image(pbr.base_color_texture());
     let metallic_roughness = image(pbr.metallic_roughness_texture());
@@ -328,7 +332,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
     if factors.emission.max_element() > 1.0 {
         notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
     }
-    note_range(material, notes);
+    note_factors_out_of_range(material, notes);
     let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
     if !factors.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
         notes.add("rough", material_terms::TOO_ROUGH.to_owned());
@@ -347,7 +351,7 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)).filter(|cutoff| *cutoff > 0.0),
         AlphaMode::Blend => Some(0.5),
     };
-    let mut add = |wanted: Baked| baked.add(wanted);
+    let mut add = |description: Baked| baked.add(description);
     let (colour, emission_share) = factors.colour(&TexelInputs::default());
     let mut converted = Material {
         name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
@@ -371,8 +375,8 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         }
         _ => {}
     }
-    let varies = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
-    if !factors.unlit && (varies || specular != [None; 2]) {
+    let reflectivity_varies = factors.metallic > 0.0 && (base.is_some() || metallic.is_some());
+    if !factors.unlit && (reflectivity_varies || specular != [None; 2]) {
         converted.reflectivity = 1.0;
         converted.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, specular, factors }));
     }
@@ -380,10 +384,10 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
         converted.roughness = 1.0;
         converted.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
     }
-    let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
+    let alpha_factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
     converted.alpha_mask = cutoff
-        .filter(|cutoff| base.is_some() || factor < *cutoff)
-        .map(|cutoff| add(Baked::Mask { base, factor, cutoff: cutoff.max(1e-3) }));
+        .filter(|cutoff| base.is_some() || alpha_factor < *cutoff)
+        .map(|cutoff| add(Baked::Mask { base, factor: alpha_factor, cutoff: cutoff.max(1e-3) }));
     converted.normal_map = normals.map(|(normals, scale)| add(Baked::Normals { normals, scale }));
     converted
 }
@@ -391,8 +395,8 @@ fn convert(data: &Data, material: &gltf::Material, baked: &mut BakedImages, note
 /// Decodes images of the file, and bakes images of the scene.
 struct Baker<'a> {
     data: &'a Data<'a>,
-    /// Greatest number of texels along a side.
-    side: u32,
+    /// Greatest number of texels along a side of a decoded image.
+    max_side: u32,
     /// Images of the file that would exceed the limit of a scene's texels.
     beyond_limit: HashSet<ImageId>,
     /// One message for each image that cannot be used.
@@ -402,22 +406,22 @@ struct Baker<'a> {
 impl<'a> Baker<'a> {
     /// Finds the images that exceed the limit of a scene's texels when they are added up in the order of `baked`,
     /// before any of them is decoded.
-    fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
+    fn new(data: &'a Data<'a>, max_side: u32, baked: &[Baked]) -> Self {
         let mut budget = TexelBudget::default();
         let mut beyond_limit = HashSet::new();
         for image in baked.iter().flat_map(Baked::images) {
             // An image without bytes is reported when it is decoded.
             let Ok((_, source)) = data.image(image) else { continue };
             let dimensions = match &source {
-                ImageBytes::Here(bytes) => texture::dimensions(bytes),
+                ImageBytes::Inside(bytes) => texture::dimensions(bytes),
                 ImageBytes::File(path) => image::image_dimensions(path).ok(),
             };
             let [width, height] = dimensions.map_or([1; 2], |(width, height)| [width, height]);
-            if !budget.admits(width, height, side) {
+            if !budget.admits(width, height, max_side) {
                 beyond_limit.insert(image);
             }
         }
-        Self { data, side, beyond_limit, problems: Mutex::default() }
+        Self { data, max_side, beyond_limit, problems: Mutex::default() }
     }
 
     /// Decodes an image of the file. If it cannot be used, a message is added, and the result is `None`.
@@ -431,11 +435,11 @@ impl<'a> Baker<'a> {
             Ok((name, ImageBytes::File(path))) if !path.is_file() => format!("image {name} is missing"),
             Ok((name, source)) => {
                 let decoded = match source {
-                    ImageBytes::Here(bytes) => texture::from_bytes(&bytes, Path::new(&name), encoding),
+                    ImageBytes::Inside(bytes) => texture::from_bytes(&bytes, Path::new(&name), encoding),
                     ImageBytes::File(path) => texture::decode(&path, encoding),
                 };
                 match decoded {
-                    Ok(texture) => return Some(texture::shrink_to_side(texture, self.side)),
+                    Ok(texture) => return Some(texture::shrink_to_side(texture, self.max_side)),
                     Err(error) => format!("image {name} cannot be used ({error})"),
                 }
             }
@@ -445,25 +449,28 @@ impl<'a> Baker<'a> {
         None
     }
 
-    /// Bakes an image of the scene. An image of the file that cannot be used counts as white, or as flat if it has
-    /// normals.
+    /// Bakes an image of the scene. An image of the file that cannot be used counts as white, or as a flat surface if
+    /// it is a normal map.
     fn bake(&self, baked: &Baked) -> Texture {
-        let image = |index: &Option<ImageId>, encoding| index.and_then(|index| self.decode(index, encoding));
+        let decode = |index: &Option<ImageId>, encoding| index.and_then(|index| self.decode(index, encoding));
         match baked {
             Baked::Plain { base } => self.decode(*base, Encoding::Srgb).unwrap_or_else(white),
             Baked::Albedo { base, metallic, emission, factors } => {
-                let inputs =
-                    [image(base, Encoding::Srgb), image(metallic, Encoding::Linear), image(emission, Encoding::Srgb)];
+                let inputs = [
+                    decode(base, Encoding::Srgb),
+                    decode(metallic, Encoding::Linear),
+                    decode(emission, Encoding::Srgb),
+                ];
                 bake_texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
                     factors.albedo_texel(&TexelInputs::new(base, metallic.z, emission))
                 })
             }
             Baked::Reflectivity { base, metallic, specular: [strength, tint], factors } => {
                 let inputs = [
-                    image(base, Encoding::Srgb),
-                    image(metallic, Encoding::Linear),
-                    image(strength, Encoding::Linear),
-                    image(tint, Encoding::Srgb),
+                    decode(base, Encoding::Srgb),
+                    decode(metallic, Encoding::Linear),
+                    decode(strength, Encoding::Linear),
+                    decode(tint, Encoding::Srgb),
                 ];
                 bake_texels(&inputs, Encoding::Linear, |[base, metallic, strength, tint]| {
                     let inputs = TexelInputs::new(base, metallic.z, DVec4::ONE).with_specular(strength.w, tint);
@@ -472,10 +479,12 @@ impl<'a> Baker<'a> {
             }
             Baked::Roughness { metallic, factor } => {
                 let inputs = [self.decode(*metallic, Encoding::Linear)];
-                bake_texels(&inputs, Encoding::Linear, |[texel]| grey(roughness_of_perceptual(factor * texel.y as f32)))
+                bake_texels(&inputs, Encoding::Linear, |[metallic]| {
+                    grey(roughness_of_perceptual(factor * metallic.y as f32))
+                })
             }
             Baked::Mask { base, factor, cutoff } => {
-                let inputs = [image(base, Encoding::Linear)];
+                let inputs = [decode(base, Encoding::Linear)];
                 bake_texels(&inputs, Encoding::Linear, |[base]| grey(0.5 * factor * base.w as f32 / cutoff))
             }
             Baked::Normals { normals, scale } => match self.decode(*normals, Encoding::Linear) {

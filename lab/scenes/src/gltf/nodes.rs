@@ -57,20 +57,21 @@ pub(super) fn place(
     Ok(used)
 }
 
-/// The parts of the meshes that the nodes place, the materials that they use, and the bounds of their vertices.
+/// The parts of the meshes that the nodes place, the indices of the materials that they use (`None` for the default
+/// material), and the bounds of their vertices in metres.
 type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
 
-/// Returns the names of the nodes' meshes, by the nodes' indices. In a file with animations, each node gets a unique
+/// Returns the name of each node's mesh, by the index of the node. In a file with animations, each node gets a unique
 /// name.
 fn mesh_names(nodes: &Nodes, animations: &Value) -> HashMap<usize, String> {
     let is_animated = animations.as_array().is_some_and(|list| !list.is_empty());
-    let mut unique = UniqueNames::default();
-    let name = |(node, _): &(Node, DMat4)| {
+    let mut unique_names = UniqueNames::default();
+    let index_and_name = |(node, _): &(Node, DMat4)| {
         let mesh = node.mesh()?;
         let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
-        Some((node.index(), if is_animated { unique.unique(&name) } else { name }))
+        Some((node.index(), if is_animated { unique_names.unique(&name) } else { name }))
     };
-    nodes.shown.iter().filter_map(name).collect()
+    nodes.shown.iter().filter_map(index_and_name).collect()
 }
 
 /// Reads the parts of the meshes that the nodes place. `names` are the names of the nodes' meshes, and `origin` is
@@ -86,7 +87,7 @@ fn read_parts(
     let mut used: Vec<Option<usize>> = Vec::new();
     let mut coordinates: Vec<Coordinates> = Vec::new();
     // The index in `used` and `coordinates` for each material of the file.
-    let mut index_of: HashMap<Option<usize>, usize> = HashMap::new();
+    let mut index_in_used: HashMap<Option<usize>, usize> = HashMap::new();
     let mut tally = Tally::default();
     for (node, to_world) in &nodes.shown {
         let Some(mesh) = node.mesh() else { continue };
@@ -101,7 +102,7 @@ fn read_parts(
         let weights = node.weights().or(mesh.weights()).unwrap_or_default();
         for primitive in mesh.primitives() {
             let material = primitive.material();
-            let index = *index_of.entry(material.index()).or_insert_with(|| {
+            let index = *index_in_used.entry(material.index()).or_insert_with(|| {
                 used.push(material.index());
                 coordinates.push(materials::shared_coordinates(data, &material, notes));
                 used.len() - 1
@@ -125,7 +126,7 @@ fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes
     let units = Units { scale: nodes.scale, centre, far_m: (4.0 * diagonal).max(Lens::default().far_m * nodes.scale) };
     let to_moved_world = |to_world: &DMat4| DMat4::from_translation(-origin) * *to_world;
     let mut names = UniqueNames::default();
-    let mut lamps = Vec::new();
+    let mut placed_lights = Vec::new();
     for (node, to_world) in &nodes.shown {
         if let Some(camera) = node.camera() {
             let name = node.name().or(camera.name()).unwrap_or("camera");
@@ -134,12 +135,12 @@ fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes
             }
         }
         if let Some(light) = node.light() {
-            lamps.extend(lights::place_light(&light, &to_moved_world(to_world), &units, notes));
+            placed_lights.extend(lights::place_light(&light, &to_moved_world(to_world), &units, notes));
         }
     }
-    let (lights, exposure) = lights::expose(lamps, notes);
+    let (lights, exposure_sentence) = lights::expose(placed_lights, notes);
     scene.lights = lights;
-    scene.notes.extend(exposure.map(|sentence| notes.about(&sentence)));
+    scene.notes.extend(exposure_sentence.map(|sentence| notes.about(&sentence)));
 }
 
 /// Units and defaults for the lengths of cameras and lights.
@@ -169,27 +170,27 @@ impl<'a> Nodes<'a> {
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for a node with several parents, or a cycle of nodes.
     fn new(data: &Data<'a>, scale: f32) -> Result<Self> {
         let document = data.document;
-        let all: Vec<Node> = document.nodes().collect();
-        let mut is_child = vec![false; all.len()];
-        for child in all.iter().flat_map(|node| node.children()) {
+        let all_nodes: Vec<Node> = document.nodes().collect();
+        let mut is_child = vec![false; all_nodes.len()];
+        for child in all_nodes.iter().flat_map(|node| node.children()) {
             is_child[child.index()] = true;
         }
         let scene = document.default_scene().or_else(|| document.scenes().next());
         let tops: Vec<Node> = match scene {
             Some(scene) => scene.nodes().collect(),
-            None => all.iter().filter(|node| !is_child[node.index()]).cloned().collect(),
+            None => all_nodes.iter().filter(|node| !is_child[node.index()]).cloned().collect(),
         };
-        let root = file_to_world(scale);
-        let mut nodes = Self { shown: Vec::new(), to_world: vec![root; all.len()], scale };
-        let mut visited = vec![false; all.len()];
+        let root_to_world = file_to_world(scale);
+        let mut nodes = Self { shown: Vec::new(), to_world: vec![root_to_world; all_nodes.len()], scale };
+        let mut visited = vec![false; all_nodes.len()];
         nodes.shown = nodes
-            .walk(tops, root, &mut visited)
+            .walk(tops, root_to_world, &mut visited)
             .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
         // Joints need not be in the scene that is shown, so that the transforms of all other nodes are computed, too.
         // An error in a tree outside the scene is ignored, since the tree is not drawn.
-        for other in all.iter().filter(|node| !is_child[node.index()]) {
-            if !visited[other.index()] {
-                nodes.walk(vec![other.clone()], root, &mut visited).unwrap_or_default();
+        for top in all_nodes.iter().filter(|node| !is_child[node.index()]) {
+            if !visited[top.index()] {
+                nodes.walk(vec![top.clone()], root_to_world, &mut visited).unwrap_or_default();
             }
         }
         Ok(nodes)
@@ -210,27 +211,27 @@ impl<'a> Nodes<'a> {
     }
 
     /// Visits the trees below `tops`, and keeps the transform of each node to the world. Returns the visible nodes with
-    /// these transforms, in the order of the tree. `root` is the transform from the space of `tops` to the world, and
-    /// `visited` tells by index which nodes were visited.
+    /// these transforms, in the order of the tree. `root_to_world` is the transform from the space of `tops` to the
+    /// world, and `visited` tells by index which nodes were visited.
     ///
     /// # Errors
     /// The index of a node that was visited before.
     fn walk(
         &mut self,
         tops: Vec<Node<'a>>,
-        root: DMat4,
+        root_to_world: DMat4,
         visited: &mut [bool],
     ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
         let mut visible = Vec::new();
         // The last node on the stack is visited first.
-        let mut stack: Vec<_> = tops.into_iter().rev().map(|node| (node, root, false)).collect();
-        while let Some((node, parent, is_hidden)) = stack.pop() {
+        let mut stack: Vec<_> = tops.into_iter().rev().map(|node| (node, root_to_world, false)).collect();
+        while let Some((node, parent_to_world, is_below_hidden)) = stack.pop() {
             if std::mem::replace(&mut visited[node.index()], true) {
                 return Err(node.index());
             }
-            let to_world = parent * node_to_parent(&node);
+            let to_world = parent_to_world * node_to_parent(&node);
             self.to_world[node.index()] = to_world;
-            let is_hidden = is_hidden || instances::is_hidden(&node);
+            let is_hidden = is_below_hidden || instances::is_hidden(&node);
             let children: Vec<_> = node.children().collect();
             stack.extend(children.into_iter().rev().map(|child| (child, to_world, is_hidden)));
             if !is_hidden {
@@ -243,28 +244,28 @@ impl<'a> Nodes<'a> {
     /// Returns the placement of a mesh by the joints of a skin: for each joint its transform times its inverse bind
     /// matrix.
     fn skin(&self, data: &Data, skin: &Skin) -> Result<MeshPlacement> {
-        let binds = skin.inverse_bind_matrices().map(|accessor| data.matrices(&accessor)).transpose()?;
+        let inverse_binds = skin.inverse_bind_matrices().map(|accessor| data.matrices(&accessor)).transpose()?;
         let joints: Vec<Node> = skin.joints().collect();
-        if binds.as_ref().is_some_and(|binds| binds.len() < joints.len()) {
+        if inverse_binds.as_ref().is_some_and(|matrices| matrices.len() < joints.len()) {
             let (index, count) = (skin.index(), joints.len());
             return Err(data.error(format!("skin {index} has fewer inverse bind matrices than its {count} joints")));
         }
-        let matrix = |(number, joint): (usize, &Node)| {
-            let bind = match &binds {
-                Some(binds) => DMat4::from_cols_array(&binds.get(number).map(f64::from)),
+        let joint_matrix = |(joint_number, joint): (usize, &Node)| {
+            let inverse_bind = match &inverse_binds {
+                Some(matrices) => DMat4::from_cols_array(&matrices.get(joint_number).map(f64::from)),
                 None => DMat4::IDENTITY,
             };
-            self.to_world[joint.index()] * bind
+            self.to_world[joint.index()] * inverse_bind
         };
-        Ok(MeshPlacement::Skin(joints.iter().enumerate().map(matrix).collect()))
+        Ok(MeshPlacement::Skin(joints.iter().enumerate().map(joint_matrix).collect()))
     }
 }
 
 /// Returns the transform from a file's space to the world. It scales to metres, and negates z, since glTF is
 /// right-handed and the world left-handed.
 fn file_to_world(scale: f32) -> DMat4 {
-    let size = f64::from(scale);
-    DMat4::from_scale(DVec3::new(size, size, -size))
+    let scale = f64::from(scale);
+    DMat4::from_scale(DVec3::new(scale, scale, -scale))
 }
 
 /// Returns the transform from the space of a node to that of its parent. A rotation of length 0 counts as none.
@@ -273,9 +274,9 @@ fn node_to_parent(node: &Node) -> DMat4 {
         Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
-            let unit = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+            let unit_rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
             let [scale, translation] = [scale, translation].map(|v| DVec3::from_array(v.map(f64::from)));
-            DMat4::from_scale_rotation_translation(scale, unit, translation)
+            DMat4::from_scale_rotation_translation(scale, unit_rotation, translation)
         }
     }
 }
@@ -283,21 +284,22 @@ fn node_to_parent(node: &Node) -> DMat4 {
 /// Makes names unique by adding numbers to repeated names.
 #[derive(Default)]
 struct UniqueNames {
-    /// Each name that was given, with the last number that was tried after it.
-    given: HashMap<String, usize>,
+    /// Each name in use, with the last number that was tried after it.
+    used: HashMap<String, usize>,
 }
 
 impl UniqueNames {
-    /// Returns the name itself if it was not given before, else the name with a number after it.
+    /// Returns the name itself if it is not in use yet, else the name with a number after it. The result is then in
+    /// use.
     fn unique(&mut self, name: &str) -> String {
-        let mut number = *self.given.entry(name.to_owned()).and_modify(|number| *number += 1).or_insert(1);
+        let mut number = *self.used.entry(name.to_owned()).and_modify(|number| *number += 1).or_insert(1);
         let mut unique = if number == 1 { name.to_owned() } else { format!("{name} {number}") };
-        while number > 1 && self.given.contains_key(&unique) {
+        while number > 1 && self.used.contains_key(&unique) {
             number += 1;
             unique = format!("{name} {number}");
         }
-        self.given.insert(name.to_owned(), number);
-        self.given.entry(unique.clone()).or_insert(1);
+        self.used.insert(name.to_owned(), number);
+        self.used.entry(unique.clone()).or_insert(1);
         unique
     }
 }
@@ -308,22 +310,22 @@ impl UniqueNames {
 fn view_of_camera(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
     let eye = to_world.w_axis.truncate();
     let forward = -to_world.z_axis.truncate().normalize_or_zero();
-    let metres = |length: f32| length * units.scale;
+    let to_metres = |length: f32| length * units.scale;
     let lens = match camera.projection() {
         Projection::Perspective(lens) => {
-            Lens::perspective(lens.yfov(), metres(lens.znear()), lens.zfar().map_or(units.far_m, metres))
+            Lens::perspective(lens.yfov(), to_metres(lens.znear()), lens.zfar().map_or(units.far_m, to_metres))
         }
         // The stated width is ignored: pixels are square, as in a perspective.
         Projection::Orthographic(lens) => {
-            Lens::orthographic(2.0 * metres(lens.ymag().abs()), metres(lens.znear()), metres(lens.zfar()))
+            Lens::orthographic(2.0 * to_metres(lens.ymag().abs()), to_metres(lens.znear()), to_metres(lens.zfar()))
         }
     };
     let distance = (units.centre.as_dvec3() - eye).dot(forward).max(f64::from(units.scale));
     let [eye, look_at] = [eye, eye + distance * forward].map(|point| point.as_vec3());
     let is_in_range = |point: Vec3| point.is_finite() && point.abs().max_element() <= MAX_COORDINATE_M;
-    let is_sound = is_in_range(eye) && is_in_range(look_at) && (look_at - eye).try_normalize().is_some();
-    let upright = Camera::new(eye, look_at, lens, 1.0);
-    if !is_sound || !upright.is_sound() {
+    let are_points_sound = is_in_range(eye) && is_in_range(look_at) && (look_at - eye).try_normalize().is_some();
+    let upright_camera = Camera::new(eye, look_at, lens, 1.0);
+    if !are_points_sound || !upright_camera.is_sound() {
         notes.add(
             "camera",
             format!("camera {} cannot be used as a view and was left out", bounded::printable_name(name)),
@@ -332,8 +334,8 @@ fn view_of_camera(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Uni
     }
     // A level x axis is not enough: it is level, too, if the camera hangs upside down or looks straight down. Below a
     // stretched node, the x axis may lean along the view, which turns nothing in the picture.
-    let right = to_world.x_axis.truncate().reject_from_normalized(forward).normalize_or_zero();
-    if right.distance(upright.world_to_view.row(0).truncate().as_dvec3()) > 1e-3 {
+    let right_axis = to_world.x_axis.truncate().reject_from_normalized(forward).normalize_or_zero();
+    if right_axis.distance(upright_camera.world_to_view.row(0).truncate().as_dvec3()) > 1e-3 {
         notes.add("roll", "cameras that are rolled about their axis are set upright".to_owned());
     }
     Some(View { eye, look_at, lens: Some(lens), ..View::default() })

@@ -12,15 +12,15 @@ use serde_json::Value;
 pub(super) fn parse_typed(value: Value) -> Result<Root, String> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let place = error.path().to_string();
-        let what = in_words(&error.inner().to_string());
-        if place == "." { format!("the document: {what}") } else { format!("{place}: {what}") }
+        let problem = in_words(&error.inner().to_string());
+        if place == "." { format!("the document: {problem}") } else { format!("{place}: {problem}") }
     })
 }
 
 /// Rewrites a message of serde about a value in the words of JSON; other messages are returned unchanged.
 fn in_words(message: &str) -> String {
-    let about_type = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
-    if let Some((found, expected)) = about_type.and_then(|rest| rest.rsplit_once(", expected ")) {
+    let type_message = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
+    if let Some((found, expected)) = type_message.and_then(|rest| rest.rsplit_once(", expected ")) {
         return format!("{} where {} belongs", found_in_words(found), expected_in_words(expected));
     }
     if let Some(field) = message.strip_prefix("missing field ") {

@@ -21,7 +21,7 @@ pub(super) struct ToWorld {
     /// Cofactors of the matrix's linear part, which transform normals.
     cofactors: DMat3,
     /// −1 if the matrix mirrors, 1 otherwise.
-    sign: f64,
+    mirror_sign: f64,
 }
 
 impl ToWorld {
@@ -30,20 +30,20 @@ impl ToWorld {
         let linear = DMat3::from_mat4(to_world);
         let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
         let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-        let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
-        Self { to_world, cofactors, sign }
+        let mirror_sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+        Self { to_world, cofactors, mirror_sign }
     }
 
     /// Transforms a normal to a unit normal in the world; zero stays zero.
     fn normal(&self, local: DVec3) -> DVec3 {
-        (self.sign * (self.cofactors * local)).normalize_or_zero()
+        (self.mirror_sign * (self.cofactors * local)).normalize_or_zero()
     }
 
     /// Transforms a tangent, with the sign w of its bitangent, to a unit tangent in the world. The bitangent w · n × t
     /// is transformed with the surface, so that a mirroring changes the sign of w.
     fn tangent(&self, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
         let direction = self.to_world.transform_vector3(DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
-        let w = if f64::from(w) * self.sign < 0.0 { -1.0 } else { 1.0 };
+        let w = if f64::from(w) * self.mirror_sign < 0.0 { -1.0 } else { 1.0 };
         // Adding zero turns −0 into 0, so that welding finds equal bits.
         (direction.as_vec3() + Vec3::ZERO).extend(w).to_array()
     }
@@ -76,12 +76,12 @@ pub(super) struct PlacedVertex {
     /// Position before rounding to 32-bit floats.
     pub(super) position: DVec3,
     /// −1 if the placement mirrors, 1 otherwise.
-    pub(super) sign: f64,
+    pub(super) mirror_sign: f64,
 }
 
 impl Default for PlacedVertex {
     fn default() -> Self {
-        Self { vertex: Vertex::zeroed(), position: DVec3::ZERO, sign: 1.0 }
+        Self { vertex: Vertex::zeroed(), position: DVec3::ZERO, mirror_sign: 1.0 }
     }
 }
 
@@ -104,15 +104,15 @@ impl PlacedVertices {
     /// Returns the vertex with an index. When it is first needed, it is placed by calling `place`.
     pub(super) fn get(&mut self, index: u32, place: impl FnOnce() -> Result<PlacedVertex>) -> Result<PlacedVertex> {
         Ok(match self {
-            Self::All(all) => match all.get_mut(index as usize) {
-                Some(Some(known)) => *known,
-                Some(new) => *new.insert(place()?),
+            Self::All(vertices) => match vertices.get_mut(index as usize) {
+                Some(Some(placed)) => *placed,
+                Some(vacant) => *vacant.insert(place()?),
                 // `place` returns an error, since there is no such vertex.
                 None => place()?,
             },
-            Self::Few(few) => match few.entry(index) {
-                Entry::Occupied(known) => *known.get(),
-                Entry::Vacant(new) => *new.insert(place()?),
+            Self::Few(vertices) => match vertices.entry(index) {
+                Entry::Occupied(placed) => *placed.get(),
+                Entry::Vacant(vacant) => *vacant.insert(place()?),
             },
         })
     }
@@ -137,7 +137,7 @@ pub(super) struct MeshVertices<'a> {
     tangents: Option<Vectors<'a, 4>>,
     uvs: Option<Vectors<'a, 2>>,
     morphs: Vec<Morph<'a>>,
-    /// Sets of four joints and four weights for each vertex: indices of joints, then weights.
+    /// Sets of joints that move each vertex. A set has the indices of four joints, and then their weights.
     influences: Vec<[Vectors<'a, 4>; 2]>,
 }
 
@@ -181,30 +181,31 @@ impl<'a> MeshVertices<'a> {
         }))
     }
 
-    /// Places vertex number `i` in the world.
+    /// Places the vertex at an index in the world.
     ///
     /// # Errors
     /// [`Error::Malformed`](ssct_ground::Error::Malformed) for an index without a vertex, and for a position that is
     /// not finite or out of range.
-    pub(super) fn place(&self, i: usize, notes: &mut Notes) -> Result<PlacedVertex> {
-        let wrong = |what: String| self.data.error(format!("mesh {}: {what}", bounded::printable_name(self.mesh.name)));
-        if i >= self.count {
-            return Err(wrong(format!("an index is not below the {} vertices", self.count)));
+    pub(super) fn place(&self, index: usize, notes: &mut Notes) -> Result<PlacedVertex> {
+        let malformed =
+            |problem: String| self.data.error(format!("mesh {}: {problem}", bounded::printable_name(self.mesh.name)));
+        if index >= self.count {
+            return Err(malformed(format!("an index is not below the {} vertices", self.count)));
         }
-        let placement = self.placement(i).map_err(wrong)?;
-        let position = placement.to_world.transform_point3(self.position(i)) - self.mesh.origin;
+        let placement = self.placement(index).map_err(malformed)?;
+        let position = placement.to_world.transform_point3(self.position(index)) - self.mesh.origin;
         if !position.is_finite() {
-            return Err(wrong(format!("the position of vertex {i} is not a number")));
+            return Err(malformed(format!("the position of vertex {index} is not a number")));
         }
         if position.abs().max_element() > f64::from(MAX_COORDINATE_M) {
-            return Err(wrong(format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin")));
+            return Err(malformed(format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin")));
         }
-        let mut uv = self.uvs.as_ref().map_or([0.0; 2], |uvs| self.coordinates.place(uvs.get(i)));
+        let mut uv = self.uvs.as_ref().map_or([0.0; 2], |uvs| self.coordinates.transform_uv(uvs.get(index)));
         if uv.iter().any(|coordinate| !coordinate.is_finite()) {
             notes.add("no coordinates", "texture coordinates that are not finite count as 0".to_owned());
             uv = [0.0; 2];
         }
-        let normal = self.normal(i);
+        let normal = self.normal(index);
         if !normal.is_finite() {
             notes.add("no normals", "normals that are not finite became those of their triangles".to_owned());
         }
@@ -212,22 +213,22 @@ impl<'a> MeshVertices<'a> {
             position: (position.as_vec3() + Vec3::ZERO).to_array(),
             normal: placement.normal(normal).as_vec3().to_array(),
             uv,
-            tangent: self.tangents.as_ref().map_or([0.0; 4], |tangents| placement.tangent(tangents.get(i))),
+            tangent: self.tangents.as_ref().map_or([0.0; 4], |tangents| placement.tangent(tangents.get(index))),
         };
-        Ok(PlacedVertex { vertex, position, sign: placement.sign })
+        Ok(PlacedVertex { vertex, position, mirror_sign: placement.mirror_sign })
     }
 
     /// Returns the position of a vertex in the mesh, including morph targets.
     fn position(&self, index: usize) -> DVec3 {
-        let offset = |morph: &Morph| Some(morph.weight * vector(morph.positions.as_ref()?, index));
-        self.morphs.iter().filter_map(offset).fold(vector(&self.positions, index), |sum, offset| sum + offset)
+        let offset = |morph: &Morph| Some(morph.weight * vector_at(morph.positions.as_ref()?, index));
+        self.morphs.iter().filter_map(offset).fold(vector_at(&self.positions, index), |sum, offset| sum + offset)
     }
 
     /// Returns the normal of a vertex in the mesh, including morph targets; zero if there is none.
     fn normal(&self, index: usize) -> DVec3 {
         let Some(normals) = &self.normals else { return DVec3::ZERO };
-        let offset = |morph: &Morph| Some(morph.weight * vector(morph.normals.as_ref()?, index));
-        self.morphs.iter().filter_map(offset).fold(vector(normals, index), |sum, offset| sum + offset)
+        let offset = |morph: &Morph| Some(morph.weight * vector_at(morph.normals.as_ref()?, index));
+        self.morphs.iter().filter_map(offset).fold(vector_at(normals, index), |sum, offset| sum + offset)
     }
 
     /// Returns the transform of a vertex: that of the node or, with a skin, the weighted mean of its joints' matrices.
@@ -237,27 +238,28 @@ impl<'a> MeshVertices<'a> {
             MeshPlacement::Node(node) => return Ok(*node),
             MeshPlacement::Skin(joints) => joints,
         };
-        let (mut sum, mut total) = (DMat4::ZERO, 0.0);
-        let mut first = None;
+        let (mut weighted_sum, mut weight_sum) = (DMat4::ZERO, 0.0);
+        let mut first_joint = None;
         for [indices, weights] in &self.influences {
             for (index, weight) in indices.get(vertex).into_iter().zip(weights.get(vertex)) {
                 let Some(joint) = joints.get(index as usize) else {
                     return Err(format!("vertex {vertex} has joint {index}, and the skin has {} joints", joints.len()));
                 };
-                first.get_or_insert(*joint);
+                first_joint.get_or_insert(*joint);
                 if weight > 0.0 && weight.is_finite() {
-                    sum += f64::from(weight) * *joint;
-                    total += f64::from(weight);
+                    weighted_sum += f64::from(weight) * *joint;
+                    weight_sum += f64::from(weight);
                 }
             }
         }
-        let mean = if total > 0.0 { sum * (1.0 / total) } else { first.unwrap_or(DMat4::IDENTITY) };
+        let mean =
+            if weight_sum > 0.0 { weighted_sum * (1.0 / weight_sum) } else { first_joint.unwrap_or(DMat4::IDENTITY) };
         Ok(ToWorld::new(mean))
     }
 }
 
-/// Returns vector number `index` of an accessor, in 64 bits.
-fn vector(vectors: &Vectors<3>, index: usize) -> DVec3 {
+/// Returns the vector of an accessor at an index, in 64 bits.
+fn vector_at(vectors: &Vectors<3>, index: usize) -> DVec3 {
     Vec3::from(vectors.get(index)).as_dvec3()
 }
 
@@ -278,8 +280,8 @@ fn morphs<'a>(data: &'a Data, primitive: &Primitive, weights: &[f32], count: usi
     Ok(morphs)
 }
 
-/// Reads the joints and weights of a skinned primitive with `count` vertices, one pair for each set of four joints a
-/// vertex.
+/// Reads the joints and weights of a skinned primitive with `count` vertices. The result has a pair for each set: the
+/// indices of four joints for each vertex, and their weights.
 fn influences<'a>(data: &'a Data, primitive: &Primitive, count: usize) -> Result<Vec<[Vectors<'a, 4>; 2]>> {
     let mut influences = Vec::new();
     for set in 0.. {
@@ -310,10 +312,10 @@ fn one_for_each_vertex<'a, const N: usize>(
     semantic: &Semantic,
     count: usize,
 ) -> Result<Vectors<'a, N>> {
-    let all = data.vectors(accessor, semantic)?;
-    if all.len() != count {
-        let (what, index) = (semantic.to_string(), accessor.index());
-        return Err(data.error(format!("accessor {index} of {what} has {} elements for {count} vertices", all.len())));
+    let vectors = data.vectors(accessor, semantic)?;
+    if vectors.len() != count {
+        let (name, index, elements) = (semantic.to_string(), accessor.index(), vectors.len());
+        return Err(data.error(format!("accessor {index} of {name} has {elements} elements for {count} vertices")));
     }
-    Ok(all)
+    Ok(vectors)
 }

@@ -66,8 +66,8 @@ pub(super) fn motions(
 ) -> Vec<Motion> {
     let accessors: Vec<Accessor> = data.document.accessors().collect();
     let mut motions = Vec::new();
-    for (number, value) in animations.as_array().into_iter().flatten().enumerate() {
-        let Ok(json) = AnimationJson::deserialize(value) else {
+    for (number, animation) in animations.as_array().into_iter().flatten().enumerate() {
+        let Ok(json) = AnimationJson::deserialize(animation) else {
             notes
                 .add(&format!("animation {number}"), format!("animation {number} is not one of glTF and was left out"));
             continue;
@@ -89,7 +89,7 @@ pub(super) fn motions(
     motions
 }
 
-/// Reads how an animation changes nodes. The result has the changes by the index of the node.
+/// Reads how an animation changes nodes. The result has the changes of each node, by the index of the node.
 ///
 /// # Errors
 /// A clause that says what is wrong with the animation.
@@ -102,15 +102,15 @@ fn changes(
     let mut changed: HashMap<usize, Changes> = HashMap::new();
     for (number, channel) in json.channels.iter().enumerate() {
         let Some(node) = channel.target.node else { continue };
-        let refused = |clause: &str| format!("its channel {number} {clause}");
-        let sampler = json.samplers.get(channel.sampler).ok_or_else(|| refused("has no sampler"))?;
-        let pair = [sampler.input, sampler.output].map(|index| accessors.get(index));
-        let [Some(input), Some(output)] = pair else { return Err(refused("has no accessor")) };
+        let message_about = |clause: &str| format!("its channel {number} {clause}");
+        let sampler = json.samplers.get(channel.sampler).ok_or_else(|| message_about("has no sampler"))?;
+        let input_and_output = [sampler.input, sampler.output].map(|index| accessors.get(index));
+        let [Some(input), Some(output)] = input_and_output else { return Err(message_about("has no accessor")) };
         let interpolation = match sampler.interpolation.as_deref() {
             None | Some("LINEAR") => Interpolation::Linear,
             Some("STEP") => Interpolation::Step,
             Some("CUBICSPLINE") => Interpolation::Cubic,
-            Some(_) => return Err(refused("has an interpolation that is not one of glTF")),
+            Some(_) => return Err(message_about("has an interpolation that is not one of glTF")),
         };
         if channel.target.path == "weights" {
             notes.add("weights", "animations of morph targets are not played".to_owned());
@@ -120,11 +120,15 @@ fn changes(
         let sampled = (data, input, output, interpolation);
         match channel.target.path.as_str() {
             "translation" => {
-                node_changes.offset = Some(keys(sampled, Dimensions::Vec3).map_err(|clause| refused(&clause))?)
+                node_changes.offset = Some(keys(sampled, Dimensions::Vec3).map_err(|clause| message_about(&clause))?)
             }
-            "rotation" => node_changes.turn = Some(keys(sampled, Dimensions::Vec4).map_err(|clause| refused(&clause))?),
-            "scale" => node_changes.size = Some(keys(sampled, Dimensions::Vec3).map_err(|clause| refused(&clause))?),
-            _ => return Err(refused("changes what is not one of glTF")),
+            "rotation" => {
+                node_changes.turn = Some(keys(sampled, Dimensions::Vec4).map_err(|clause| message_about(&clause))?)
+            }
+            "scale" => {
+                node_changes.size = Some(keys(sampled, Dimensions::Vec3).map_err(|clause| message_about(&clause))?)
+            }
+            _ => return Err(message_about("changes what is not one of glTF")),
         }
     }
     Ok(changed)
@@ -162,21 +166,21 @@ fn movers(
     meshes: &[Mesh],
     notes: &mut Notes,
 ) -> Vec<Mover> {
-    let all: Vec<Node> = data.document.nodes().collect();
+    let all_nodes: Vec<Node> = data.document.nodes().collect();
     let parents = nodes.parents(data);
     let subtract_origin = DMat4::from_translation(-origin);
     let mut movers = Vec::new();
-    let mut count = 0;
+    let mut chain_nodes = 0;
     for (node, to_world) in &nodes.shown {
         let is_camera_or_light = node.camera().is_some() || node.light().is_some();
         let name = names.get(&node.index());
         if name.is_none() && !is_camera_or_light {
             continue;
         }
-        // The node, its parent and so on up to the root. The limit ends the chain in a faulty file with a cycle.
+        // Indices of the node, its parent and so on up to the root. The limit ends the chain in a file with a cycle.
         let upwards = std::iter::successors(Some(node.index()), |index| parents[*index]);
-        let ancestors: Vec<usize> = upwards.take(all.len()).collect();
-        let is_moved = ancestors.iter().any(|index| changes.contains_key(index));
+        let node_and_ancestors: Vec<usize> = upwards.take(all_nodes.len()).collect();
+        let is_moved = node_and_ancestors.iter().any(|index| changes.contains_key(index));
         if is_moved && is_camera_or_light {
             let sentence = "animations of cameras and lights are not played; they stay where they stand at rest";
             notes.add("cameras move", sentence.to_owned());
@@ -194,9 +198,9 @@ fn movers(
             notes.add("no size", format!("{name} is never drawn, since its size is 0 while no animation plays"));
             continue;
         }
-        let chain = moving_chain(ancestors.iter().rev().map(|index| (&all[*index], changes.get(index))));
-        count += ancestors.len();
-        if count > MAX_NODES {
+        let chain = moving_chain(node_and_ancestors.iter().rev().map(|index| (&all_nodes[*index], changes.get(index))));
+        chain_nodes += node_and_ancestors.len();
+        if chain_nodes > MAX_NODES {
             notes.add(
                 "many move",
                 "more things move in an animation than are played; the others stand still".to_owned(),
@@ -222,8 +226,8 @@ fn movers(
     movers
 }
 
-/// Makes the moving nodes from the root down to a node, from each node of this path and its changes, if it has any.
-/// Successive nodes that do not change are combined.
+/// Makes the chain of moving nodes from the root down to a node. `path` has each node on this way with its changes, if
+/// it has any. Successive nodes that do not change are combined.
 fn moving_chain<'a>(path: impl Iterator<Item = (&'a Node<'a>, Option<&'a Changes>)>) -> Vec<MovingNode> {
     let mut chain: Vec<MovingNode> = Vec::new();
     for (node, changes) in path {
@@ -244,7 +248,7 @@ fn rest_transform(node: &Node) -> Rest {
             Rest::Matrix(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))
         }
         Transform::Decomposed { translation, rotation, scale } => {
-            let [offset, size] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
+            let [offset, size] = [translation, scale].map(|vector| DVec3::from_array(vector.map(f64::from)));
             Rest::Parts(offset, DQuat::from_array(rotation.map(f64::from)), size)
         }
     }
@@ -254,15 +258,15 @@ fn rest_transform(node: &Node) -> Rest {
 /// a number and the count of parts, as in "wall 1/3".
 fn mesh_names_of_node(name: &str, meshes: &[Mesh]) -> Vec<String> {
     let is_part = |rest: &str| {
-        let part = rest.strip_prefix(' ').and_then(|rest| rest.split_once('/'));
-        part.is_some_and(|(number, count)| number.parse::<u32>().is_ok() && count.parse::<u32>().is_ok())
+        let number_and_count = rest.strip_prefix(' ').and_then(|rest| rest.split_once('/'));
+        number_and_count.is_some_and(|(number, count)| number.parse::<u32>().is_ok() && count.parse::<u32>().is_ok())
     };
-    let mut found: Vec<String> = Vec::new();
+    let mut names: Vec<String> = Vec::new();
     for mesh in meshes {
         let is_of_node = mesh.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || is_part(rest));
-        if is_of_node && !found.contains(&mesh.name) {
-            found.push(mesh.name.clone());
+        if is_of_node && !names.contains(&mesh.name) {
+            names.push(mesh.name.clone());
         }
     }
-    found
+    names
 }

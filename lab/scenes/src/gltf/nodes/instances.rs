@@ -34,27 +34,27 @@ pub(super) fn instances(data: &Data, node: &Node) -> Result<Vec<DMat4>> {
         rotations.as_ref().map(Vectors::len),
         scales.as_ref().map(Vectors::len),
     ];
-    let mut lengths = lengths.into_iter().flatten();
-    let Some(count) = lengths.next() else { return Ok(vec![DMat4::IDENTITY]) };
-    if lengths.any(|other| other != count) {
+    let mut stated_lengths = lengths.into_iter().flatten();
+    let Some(count) = stated_lengths.next() else { return Ok(vec![DMat4::IDENTITY]) };
+    if stated_lengths.any(|length| length != count) {
         return Err(data.error(format!("node {}: the attributes of {INSTANCING} differ in length", node.index())));
     }
-    let vector = |attribute: &Option<Vectors<3>>, copy: usize, default: DVec3| {
+    let vector_or = |attribute: &Option<Vectors<3>>, copy: usize, default: DVec3| {
         attribute.as_ref().map_or(default, |vectors| DVec3::from_array(vectors.get(copy).map(f64::from)))
     };
-    let matrix = |copy: usize| {
+    let transform_of_copy = |copy: usize| {
         let rotation = match &rotations {
             Some(rotations) => DQuat::from_array(rotations.get(copy).map(f64::from)),
             None => DQuat::IDENTITY,
         };
-        let unit = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+        let unit_rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
         DMat4::from_scale_rotation_translation(
-            vector(&scales, copy, DVec3::ONE),
-            unit,
-            vector(&translations, copy, DVec3::ZERO),
+            vector_or(&scales, copy, DVec3::ONE),
+            unit_rotation,
+            vector_or(&translations, copy, DVec3::ZERO),
         )
     };
-    Ok((0..count).map(matrix).collect())
+    Ok((0..count).map(transform_of_copy).collect())
 }
 
 /// Returns the vectors of the attribute `name` of the extension [`INSTANCING`] of a node, or `None` if the node has no
@@ -65,7 +65,7 @@ fn attribute<'a, const N: usize>(
     extension: &Value,
     name: &str,
 ) -> Result<Option<Vectors<'a, N>>> {
-    let Some(index) = extension.get("attributes").and_then(|all| all.get(name)) else { return Ok(None) };
+    let Some(index) = extension.get("attributes").and_then(|attributes| attributes.get(name)) else { return Ok(None) };
     let accessor = index.as_u64().and_then(|index| data.document.accessors().nth(usize::try_from(index).ok()?));
     let Some(accessor) = accessor else {
         let node = node.index();
