@@ -53,7 +53,7 @@ fn positions(placement: &Placement) -> Vec<Vec3> {
     placement.captures.iter().map(|c| c.position).collect()
 }
 
-/// Of two captures, one stands in each room, and together they see over 85 % of what mirrors show.
+/// Two captures stand in one room each, and together they see over 85 % of what mirrors show.
 #[test]
 fn two_rooms_get_captures_on_both_sides_of_the_wall() {
     let placement = place(&two_rooms(), WantedCaptures::Count(2));
