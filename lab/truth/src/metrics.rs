@@ -24,8 +24,8 @@ pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
     if a.is_empty() {
         return 0.0;
     }
-    let sum: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
-    (sum / a.len() as f64).sqrt()
+    let squared_sum: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
+    (squared_sum / a.len() as f64).sqrt()
 }
 
 /// Returns the nearest-rank percentile: the least number of `sorted` such that at least the `share` (0 < share ≤ 1) of

@@ -75,29 +75,30 @@ impl Verdict {
 /// the bound.
 pub const MOST_FORETOLD: u64 = 10_000;
 
-/// Returns about how many samples would decide a verdict that `n` samples left undecided, if the ratio does not change.
+/// Returns about how many samples would decide a verdict that `sample_count` samples left undecided, if the ratio does
+/// not change.
 /// The widths of the interval and of the noise floor are taken to fall with the square root of the number of samples.
-/// The result is at least [`MIN_SAMPLES`] and more than `n`; `None` above [`MOST_FORETOLD`].
-pub fn samples_to_decide(ratio: &Ratio, n: usize, threshold: f64, floor: f64) -> Option<u64> {
-    if n < MIN_SAMPLES {
+/// The result is at least [`MIN_SAMPLES`] and more than `sample_count`; `None` above [`MOST_FORETOLD`].
+pub fn samples_to_decide(ratio: &Ratio, sample_count: usize, threshold: f64, floor: f64) -> Option<u64> {
+    if sample_count < MIN_SAMPLES {
         return Some(MIN_SAMPLES as u64);
     }
     let Ratio { ratio, low, high } = *ratio;
     let change = (ratio - 1.0).abs();
     // Width of the half of the interval that is on the side of 1.
-    let toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
+    let half_width_toward_one = if ratio > 1.0 { ratio - low } else { high - ratio };
     // The factor by which the widths of the interval and of the noise floor must shrink.
     let shrink_factor = if change > threshold {
         // For a faster or slower B, the interval must end beyond the threshold and beyond the noise floor, which
         // shrinks, too.
-        ((change - threshold) / toward_one).min(change / (toward_one + floor))
+        ((change - threshold) / half_width_toward_one).min(change / (half_width_toward_one + floor))
     } else {
         // For the same time, the upper and the lower half of the interval must lie within 1 ± threshold.
         ((1.0 + threshold - ratio) / (high - ratio)).min((ratio - 1.0 + threshold) / (ratio - low))
     };
-    let needed = n as f64 / (shrink_factor * shrink_factor);
-    let is_foretold = needed.is_finite() && needed <= MOST_FORETOLD as f64;
-    is_foretold.then(|| (needed.ceil() as u64).max(n as u64 + 1))
+    let needed_count = sample_count as f64 / (shrink_factor * shrink_factor);
+    let is_foretold = needed_count.is_finite() && needed_count <= MOST_FORETOLD as f64;
+    is_foretold.then(|| (needed_count.ceil() as u64).max(sample_count as u64 + 1))
 }
 
 /// Returns the ends [low, high] of the bootstrap interval of the median of the samples, at [`CONFIDENCE`], over
@@ -140,20 +141,20 @@ fn interval<const N: usize>(
     for resample in 0..RESAMPLES {
         let stream = Stream::new(seed, resample.into());
         // Index of the next random number of the stream, which all series share.
-        let mut position = 0;
+        let mut draw_index = 0;
         for (drawn, samples) in resampled.iter_mut().zip(series) {
             drawn.clear();
             for _ in samples {
-                let index = (stream.uniform(position) * samples.len() as f64) as usize;
+                let index = (stream.uniform(draw_index) * samples.len() as f64) as usize;
                 drawn.push(samples[index.min(samples.len() - 1)]);
-                position += 1;
+                draw_index += 1;
             }
         }
         statistics.push(statistic(&mut resampled)?);
     }
     statistics.sort_by(f64::total_cmp);
-    let tail = (1.0 - CONFIDENCE) / 2.0;
-    Some([percentile(&statistics, tail)?, percentile(&statistics, 1.0 - tail)?])
+    let tail_share = (1.0 - CONFIDENCE) / 2.0;
+    Some([percentile(&statistics, tail_share)?, percentile(&statistics, 1.0 - tail_share)?])
 }
 
 /// Returns the noise floor: how far a time strays from itself, as a share. The series `a` and `again` are times of the
@@ -191,9 +192,9 @@ fn quotient(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns `n` random samples, uniform over an interval of `width` around `center`.
-    fn noise(center: f64, width: f64, n: u64, seed: u64) -> Vec<f64> {
-        (0..n).map(|i| center + width * (Stream::new(seed, 99).uniform(i) - 0.5)).collect()
+    /// Returns `count` random samples, uniform over an interval of `width` around `center`.
+    fn noise(center: f64, width: f64, count: u64, seed: u64) -> Vec<f64> {
+        (0..count).map(|i| center + width * (Stream::new(seed, 99).uniform(i) - 0.5)).collect()
     }
 
     /// Returns the verdict on the times `b` compared with `a`, for a threshold of 5 % and no noise floor.
@@ -227,49 +228,49 @@ mod tests {
     fn the_interval_of_three_samples_is_that_of_their_order_statistics() {
         // A is constant, so that the ratio is the median of a resample of {1, 2, 3}. It is 1 with probability 3 · 2/27
         // + 1/27 = 7/27, and 3 with the same probability. Both probabilities exceed the 2.5 % of a tail.
-        let r = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
-        assert_eq!(r, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
+        let ratio = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
+        assert_eq!(ratio, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
         // The median of a resample of seven values is the least value if that is drawn four times or more. The
         // probability, Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 for k ≥ 4, is less than the 0.025 of a tail. One of the least
         // two values is drawn so often with probability 0.108 > 0.025, so that the second value is the end of the
         // interval.
         let seven: Vec<f64> = (1..=7).map(f64::from).collect();
-        let r = ratio_of_medians(&[1.0; 5], &seven, 1).expect("samples");
-        assert_eq!(r, Ratio { ratio: 4.0, low: 2.0, high: 6.0 });
+        let ratio = ratio_of_medians(&[1.0; 5], &seven, 1).expect("samples");
+        assert_eq!(ratio, Ratio { ratio: 4.0, low: 2.0, high: 6.0 });
     }
 
     #[test]
     fn the_interval_covers_the_true_ratio_at_its_confidence() {
         let covers = |trial: u64| {
             let (a, b) = (noise(10.0, 2.0, 15, 2 * trial), noise(10.0, 2.0, 15, 2 * trial + 1));
-            let r = ratio_of_medians(&a, &b, trial).expect("samples");
-            r.low <= 1.0 && 1.0 <= r.high
+            let ratio = ratio_of_medians(&a, &b, trial).expect("samples");
+            ratio.low <= 1.0 && 1.0 <= ratio.high
         };
-        let covered = (0..200).filter(|t| covers(*t)).count();
+        let covered_trials = (0..200).filter(|trial| covers(*trial)).count();
         // The expected number is the share `CONFIDENCE` of all trials, with a standard deviation of 3. It is exceeded,
         // since the percentile interval of a median is a little wide.
-        assert!((180..=200).contains(&covered), "{covered}");
-        assert!(covered < 200, "an interval that never misses is too wide");
+        assert!((180..=200).contains(&covered_trials), "{covered_trials}");
+        assert!(covered_trials < 200, "an interval that never misses is too wide");
     }
 
     #[test]
     fn zero_medians_and_empty_sides_are_defined() {
         assert_eq!(ratio_of_medians(&[0.0; 5], &[0.0; 5], 1), Some(Ratio { ratio: 1.0, low: 1.0, high: 1.0 }));
-        let r = ratio_of_medians(&[0.0; 5], &[1.0; 5], 1).expect("samples");
-        assert_eq!((r.low, Verdict::for_ratio(&r, 0.05, 0.0)), (f64::INFINITY, Verdict::Slower));
+        let ratio = ratio_of_medians(&[0.0; 5], &[1.0; 5], 1).expect("samples");
+        assert_eq!((ratio.low, Verdict::for_ratio(&ratio, 0.05, 0.0)), (f64::INFINITY, Verdict::Slower));
         assert_eq!((ratio_of_medians(&[], &[1.0], 1), ratio_of_medians(&[1.0], &[], 1)), (None, None));
     }
 
     #[test]
     fn what_slows_both_of_a_pair_does_not_widen_the_interval() {
-        // A load doubles both times of every third pair; the second time of a pair is always a fifth longer.
-        let load = |n: u32| if n.is_multiple_of(3) { 2.0 } else { 1.0 };
-        let pairs: Vec<[f64; 2]> = (0..12).map(|n| [load(n), 1.2 * load(n)]).collect();
-        let r = median_of_ratios(&pairs, 1).expect("pairs");
-        assert!([r.ratio, r.low, r.high].iter().all(|v| (v - 1.2).abs() < 1e-12), "{r:?}");
+        // A load doubles both times of every third pair. The second time of a pair is always a fifth longer.
+        let load_factor = |n: u32| if n.is_multiple_of(3) { 2.0 } else { 1.0 };
+        let pairs: Vec<[f64; 2]> = (0..12).map(|n| [load_factor(n), 1.2 * load_factor(n)]).collect();
+        let paired = median_of_ratios(&pairs, 1).expect("pairs");
+        assert!([paired.ratio, paired.low, paired.high].iter().all(|v| (v - 1.2).abs() < 1e-12), "{paired:?}");
         let [a, b] = [0, 1].map(|side| pairs.iter().map(|pair| pair[side]).collect::<Vec<_>>());
-        let apart = ratio_of_medians(&a, &b, 1).expect("samples");
-        assert!(apart.high > 2.0, "{apart:?}");
+        let unpaired = ratio_of_medians(&a, &b, 1).expect("samples");
+        assert!(unpaired.high > 2.0, "{unpaired:?}");
         assert_eq!(median_of_ratios(&[], 1), None);
     }
 
@@ -300,26 +301,31 @@ mod tests {
 
     #[test]
     fn as_many_samples_decide_as_are_foretold() {
-        let foretold = |ratio, low, high, floor| samples_to_decide(&Ratio { ratio, low, high }, 10, 0.05, floor);
+        let foretold_count = |ratio, low, high, floor| samples_to_decide(&Ratio { ratio, low, high }, 10, 0.05, floor);
         // The end of the interval is four times as far from the ratio as allowed, which takes sixteen times as many
         // samples. Rounding may raise the number by one.
-        let is_about = |found: Option<u64>, n: u64| assert!(found == Some(n) || found == Some(n + 1), "{found:?}, {n}");
-        is_about(foretold(1.1, 0.9, 1.3, 0.0), 160);
-        is_about(foretold(0.9, 0.7, 1.1, 0.0), 160);
+        let is_about = |found: Option<u64>, count: u64| {
+            assert!(found == Some(count) || found == Some(count + 1), "{found:?}, {count}")
+        };
+        is_about(foretold_count(1.1, 0.9, 1.3, 0.0), 160);
+        is_about(foretold_count(0.9, 0.7, 1.1, 0.0), 160);
         // If the ratio is within the threshold, the end of the interval that needs more samples decides.
-        is_about(foretold(1.0, 0.9, 1.1, 0.0), 40);
-        is_about(foretold(1.025, 0.925, 1.125, 0.0), 160);
+        is_about(foretold_count(1.0, 0.9, 1.1, 0.0), 40);
+        is_about(foretold_count(1.025, 0.925, 1.125, 0.0), 160);
         // An interval without a width is undecided only because of the noise floor, which shrinks with more samples,
         // too.
-        is_about(foretold(1.1, 1.1, 1.1, 0.2), 40);
-        assert_eq!([foretold(1.0501, 0.9, 1.2, 0.0), foretold(f64::INFINITY, 1.0, f64::INFINITY, 0.0)], [None; 2]);
+        is_about(foretold_count(1.1, 1.1, 1.1, 0.2), 40);
+        assert_eq!(
+            [foretold_count(1.0501, 0.9, 1.2, 0.0), foretold_count(f64::INFINITY, 1.0, f64::INFINITY, 0.0)],
+            [None; 2]
+        );
         assert_eq!(samples_to_decide(&Ratio { ratio: 1.0, low: 0.9, high: 1.1 }, 4, 0.05, 0.0), Some(5));
         // The predicted number of samples decides, if the noise stays the same.
         let ratio = |n| ratio_of_medians(&noise(10.0, 8.0, n, 1), &noise(13.0, 8.0, n, 2), 1).expect("samples");
-        let few = ratio(10);
-        assert_eq!(Verdict::for_ratio(&few, 0.05, 0.0), Verdict::Undecided);
-        let n = samples_to_decide(&few, 10, 0.05, 0.0).expect("not too many");
-        assert_eq!(Verdict::for_ratio(&ratio(2 * n), 0.05, 0.0), Verdict::Slower, "{few:?}: {n}");
+        let ratio_of_ten = ratio(10);
+        assert_eq!(Verdict::for_ratio(&ratio_of_ten, 0.05, 0.0), Verdict::Undecided);
+        let needed = samples_to_decide(&ratio_of_ten, 10, 0.05, 0.0).expect("not too many");
+        assert_eq!(Verdict::for_ratio(&ratio(2 * needed), 0.05, 0.0), Verdict::Slower, "{ratio_of_ten:?}: {needed}");
     }
 
     #[test]

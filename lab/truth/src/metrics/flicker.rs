@@ -12,16 +12,16 @@ pub fn finite_or_black(color: Vec3) -> Vec3 {
 /// A pixel of a frame, with the place in the previous frame that shows the same point of its surface.
 pub struct SamePlace {
     /// Index of the pixel in this frame.
-    now: usize,
+    pixel: usize,
     /// Place [x, y] in the previous frame, in pixels; pixel centres are at one half.
-    before: [f64; 2],
+    previous_place: [f64; 2],
 }
 
-/// Finds the reflecting pixels of the frame `now` whose surface was on the screen in the previous frame `before`. The
-/// four pixels of `before` around that place must reflect, too, and show the same surface. The surface itself is taken
-/// to stand still.
+/// Pairs reflecting pixels of the frame `now` with the places where the previous frame `before` shows the same points.
+/// A point is paired only if the four pixels of `before` around its place reflect, too, and show the same surface. The
+/// surface itself is taken to stand still.
 pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
-    // The matrices from view to clip space, from clip to view space, and from world to view space.
+    // A frame's matrices from view to clip space, from clip to view space, and from world to view space.
     let matrices = |data: &GBufferData| {
         let projection = data.view_to_clip();
         (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())
@@ -54,19 +54,19 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
             if !inside {
                 continue;
             }
-            let is_same = (0..4).all(|neighbour| {
+            let neighbours_match = (0..4).all(|neighbour| {
                 let (px, py) = (corner[0] as u32 + neighbour % 2, corner[1] as u32 + neighbour / 2);
-                let i = before.index(px, py);
+                let neighbour_index = before.index(px, py);
                 let neighbour_position = before.unproject(
                     f64::from(px) + 0.5,
                     f64::from(py) + 0.5,
-                    f64::from(before.depth[i]),
+                    f64::from(before.depth[neighbour_index]),
                     &before_to_view,
                 );
-                before.reflects(i) && is_one_surface(neighbour_position, position)
+                before.reflects(neighbour_index) && is_same_surface(neighbour_position, position)
             });
-            if is_same {
-                pairs.push(SamePlace { now: index, before: [place.x, place.y] });
+            if neighbours_match {
+                pairs.push(SamePlace { pixel: index, previous_place: [place.x, place.y] });
             }
         }
     }
@@ -75,20 +75,20 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
 
 /// Returns whether the view depths of two points differ by at most 2 % of the depth of `b`. The tolerance is that of
 /// docs/definitions.md, "World agreement", for places that the screen shows.
-fn is_one_surface(a: DVec3, b: DVec3) -> bool {
+fn is_same_surface(a: DVec3, b: DVec3) -> bool {
     (a.z - b.z).abs() <= 0.02 * b.z
 }
 
 /// Returns, for each pair, its colour in the image `now` minus the interpolated colour at its place in the image
 /// `before`. Both images are `width` pixels wide, rows from the top.
 pub fn changes(pairs: &[SamePlace], before: &[Vec3], now: &[Vec3], width: u32) -> Vec<Vec3> {
-    pairs.iter().map(|p| now[p.now] - bilinear(before, width, p.before)).collect()
+    pairs.iter().map(|pair| now[pair.pixel] - bilinear(before, width, pair.previous_place)).collect()
 }
 
 /// Returns the mean absolute value of `measure` over all changes and channels; 0 without changes. `measure` gets the
 /// index of a change and the change, and returns the colour difference to average.
 pub fn mean(changes: &[Vec3], measure: impl Fn(usize, Vec3) -> Vec3) -> f64 {
-    let channel_mean = |(n, change): (usize, &Vec3)| f64::from(measure(n, *change).abs().element_sum()) / 3.0;
+    let channel_mean = |(index, change): (usize, &Vec3)| f64::from(measure(index, *change).abs().element_sum()) / 3.0;
     let sum: f64 = changes.iter().enumerate().map(channel_mean).sum();
     if changes.is_empty() { 0.0 } else { sum / changes.len() as f64 }
 }
@@ -97,9 +97,9 @@ pub fn mean(changes: &[Vec3], measure: impl Fn(usize, Vec3) -> Vec3) -> f64 {
 fn bilinear(image: &[Vec3], width: u32, [x, y]: [f64; 2]) -> Vec3 {
     // Pixel centres are at one half, so that the shifted coordinates are whole there.
     let (x, y) = (x - 0.5, y - 0.5);
-    let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let (fraction_x, fraction_y) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
     let texel = |dx: usize, dy: usize| image[(y as usize + dy) * width as usize + x as usize + dx];
-    texel(0, 0).lerp(texel(1, 0), fx).lerp(texel(0, 1).lerp(texel(1, 1), fx), fy)
+    texel(0, 0).lerp(texel(1, 0), fraction_x).lerp(texel(0, 1).lerp(texel(1, 1), fraction_x), fraction_y)
 }
 
 #[cfg(test)]
@@ -110,23 +110,23 @@ mod tests {
     #[test]
     fn a_still_camera_pairs_each_pixel_with_itself() {
         let data = floor_and_wall(32, 24);
-        let found = pairs(&data, &data);
-        assert!(found.len() > 32 * 24 / 2, "{} pairs", found.len());
-        for pair in &found {
-            let x = (pair.now % 32) as f64 + 0.5;
-            assert!((pair.before[0] - x).abs() < 1e-6, "{} and {x}", pair.before[0]);
+        let same_places = pairs(&data, &data);
+        assert!(same_places.len() > 32 * 24 / 2, "{} pairs", same_places.len());
+        for pair in &same_places {
+            let x = (pair.pixel % 32) as f64 + 0.5;
+            assert!((pair.previous_place[0] - x).abs() < 1e-6, "{} and {x}", pair.previous_place[0]);
         }
         let image: Vec<Vec3> = (0..32 * 24).map(|i| Vec3::splat(i as f32)).collect();
-        let still = mean(&changes(&found, &image, &image, 32), |_, change| change);
-        assert!(still < 1e-2, "{still}");
+        let mean_change = mean(&changes(&same_places, &image, &image, 32), |_, change| change);
+        assert!(mean_change < 1e-2, "{mean_change}");
     }
 
     #[test]
     fn what_changes_flickers_by_as_much() {
         let data = floor_and_wall(32, 24);
-        let image = |v: f32| vec![Vec3::splat(v); 32 * 24];
-        let found = changes(&pairs(&data, &data), &image(0.25), &image(0.75), 32);
-        assert!((mean(&found, |_, change| change) - 0.5).abs() < 1e-6);
-        assert!(mean(&found, |_, change| change - 0.5) < 1e-6);
+        let grey_image = |grey: f32| vec![Vec3::splat(grey); 32 * 24];
+        let color_changes = changes(&pairs(&data, &data), &grey_image(0.25), &grey_image(0.75), 32);
+        assert!((mean(&color_changes, |_, change| change) - 0.5).abs() < 1e-6);
+        assert!(mean(&color_changes, |_, change| change - 0.5) < 1e-6);
     }
 }

@@ -20,8 +20,8 @@ impl FlipMap {
     /// # Panics
     /// If an image has another size than stated.
     pub fn new(reference: &[u8], test: &[u8], width: u32, height: u32) -> Self {
-        let bytes = 3 * width as usize * height as usize;
-        assert!(reference.len() == bytes && test.len() == bytes, "both images must have the stated size");
+        let byte_count = 3 * width as usize * height as usize;
+        assert!(reference.len() == byte_count && test.len() == byte_count, "both images must have the stated size");
         let image = |bytes| nv_flip::FlipImageRgb8::with_data(width, height, bytes);
         let map = nv_flip::flip(image(reference), image(test), nv_flip::DEFAULT_PIXELS_PER_DEGREE);
         Self { width, height, errors: map.to_vec() }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     /// Returns an image of 32 × 24 pixels of one colour, as sRGB bytes.
-    fn flat(color: [u8; 3]) -> Vec<u8> {
+    fn flat_image(color: [u8; 3]) -> Vec<u8> {
         color.repeat(32 * 24)
     }
 
@@ -68,26 +68,30 @@ mod tests {
             let hunt = |c: [f64; 3], i: usize| c[0] / 100.0 * c[i];
             (a[0] - b[0]).abs() + (hunt(a, 1) - hunt(b, 1)).hypot(hunt(a, 2) - hunt(b, 2))
         };
-        let greatest = hyab([87.735, -86.183, 83.180], [32.297, 79.188, -107.860]).powf(0.7);
+        let greatest_error = hyab([87.735, -86.183, 83.180], [32.297, 79.188, -107.860]).powf(0.7);
         let expected = |distance: f64| {
-            let (e, knee) = (distance.powf(0.7), 0.4 * greatest);
-            if e < knee { 0.95 * e / knee } else { 0.95 + 0.05 * (e - knee) / (greatest - knee) }
+            let (color_error, knee) = (distance.powf(0.7), 0.4 * greatest_error);
+            if color_error < knee {
+                0.95 * color_error / knee
+            } else {
+                0.95 + 0.05 * (color_error - knee) / (greatest_error - knee)
+            }
         };
-        let found = FlipMap::new(&flat([0; 3]), &flat([255; 3]), 32, 24).mean();
-        assert!((found - expected(100.0)).abs() < 1e-4, "{found} {}", expected(100.0));
-        assert!((0.967..0.968).contains(&found));
+        let mean_error = FlipMap::new(&flat_image([0; 3]), &flat_image([255; 3]), 32, 24).mean();
+        assert!((mean_error - expected(100.0)).abs() < 1e-4, "{mean_error} {}", expected(100.0));
+        assert!((0.967..0.968).contains(&mean_error));
         // sRGB 119 has L* = 50.034, which is below the knee.
-        let found = FlipMap::new(&flat([119; 3]), &flat([0; 3]), 32, 24).mean();
-        assert!((found - expected(50.034)).abs() < 1e-3, "{found} {}", expected(50.034));
+        let mean_error = FlipMap::new(&flat_image([119; 3]), &flat_image([0; 3]), 32, 24).mean();
+        assert!((mean_error - expected(50.034)).abs() < 1e-3, "{mean_error} {}", expected(50.034));
     }
 
     #[test]
     fn the_map_locates_the_error_and_the_picture_has_its_size() {
-        let mut test = flat([128; 3]);
+        let mut test = flat_image([128; 3]);
         for y in 0..24 {
             test[3 * (y * 32 + 31)..3 * (y * 32 + 32)].fill(255);
         }
-        let map = FlipMap::new(&flat([128; 3]), &test, 32, 24);
+        let map = FlipMap::new(&flat_image([128; 3]), &test, 32, 24);
         assert!(map.errors[31] > 0.5 && map.errors[0] < 1e-6);
         assert_eq!(map.picture().len(), 32 * 24 * 3);
     }

@@ -19,8 +19,8 @@ pub struct HitAgreement {
     pub missed: Option<f64>,
     /// Share of pixels where both hit, but further apart than one pixel in x or in y.
     pub displaced: Option<f64>,
-    /// The 50th percentile of the distance in pixels between both hits, over the pixels where both hit: the least distance
-    /// that half of the distances do not exceed. Null if there are none.
+    /// The 50th percentile of the distance in pixels between both hits, over the pixels where both hit: the least
+    /// distance that half of the distances do not exceed. Null if there are none.
     pub hit_error_px_p50: Option<f64>,
     /// The 99th percentile of these distances.
     pub hit_error_px_p99: Option<f64>,
@@ -65,21 +65,21 @@ impl HitAgreement {
         let pairs = || reflecting.iter().zip(method.iter().zip(oracle)).filter(|(r, _)| **r).map(|(_, pair)| pair);
         let pixels = pairs().count();
         let share = |verdict| {
-            let n = pairs().filter(|(m, o)| HitVerdict::compare(**m, **o) == verdict).count();
-            (pixels > 0).then(|| n as f64 / pixels as f64)
+            let count = pairs().filter(|(hit, truth)| HitVerdict::compare(**hit, **truth) == verdict).count();
+            (pixels > 0).then(|| count as f64 / pixels as f64)
         };
-        // Distances in pixels, where both hit.
-        let mut errors: Vec<f64> =
+        // Distances between both hits, over the pixels where both hit.
+        let mut distances_px: Vec<f64> =
             pairs().filter_map(|(m, o)| m.zip(*o)).map(|(m, o)| (m[0] - o[0]).hypot(m[1] - o[1])).collect();
-        errors.sort_by(f64::total_cmp);
+        distances_px.sort_by(f64::total_cmp);
         Self {
             pixels,
             hit_agreement: share(HitVerdict::Agrees),
             false_hits: share(HitVerdict::False),
             missed: share(HitVerdict::Missed),
             displaced: share(HitVerdict::Displaced),
-            hit_error_px_p50: percentile(&errors, 0.5),
-            hit_error_px_p99: percentile(&errors, 0.99),
+            hit_error_px_p50: percentile(&distances_px, 0.5),
+            hit_error_px_p99: percentile(&distances_px, 0.99),
         }
     }
 }
@@ -102,15 +102,18 @@ mod tests {
         let oracle = [MISS, hit(2.0, 0.0), MISS, hit(4.0, 4.0), hit(0.0, 0.0), hit(9.0, 10.001), MISS, hit(7.0, 7.0)];
         let mut reflecting = [true; 8];
         reflecting[6] = false;
-        let a = HitAgreement::new(&reflecting, &method, &oracle);
-        let of_seven = |n: f64| Some(n / 7.0);
-        assert_eq!(a.pixels, 7);
+        let agreement = HitAgreement::new(&reflecting, &method, &oracle);
+        let sevenths = |n: f64| Some(n / 7.0);
+        assert_eq!(agreement.pixels, 7);
         // The three agreeing pixels: both miss; hits exactly one pixel apart on both axes; equal hits.
-        assert_eq!(a.hit_agreement, of_seven(3.0));
-        assert_eq!((a.false_hits, a.missed, a.displaced), (of_seven(1.0), of_seven(1.0), of_seven(2.0)));
+        assert_eq!(agreement.hit_agreement, sevenths(3.0));
+        assert_eq!(
+            (agreement.false_hits, agreement.missed, agreement.displaced),
+            (sevenths(1.0), sevenths(1.0), sevenths(2.0))
+        );
         // Distances √2, 5, 1.001, 0: a percentile is one of them, and not the mean of two.
-        assert!((a.hit_error_px_p50.expect("hits") - 1.001).abs() < 1e-9);
-        assert_eq!(a.hit_error_px_p99, Some(5.0));
+        assert!((agreement.hit_error_px_p50.expect("hits") - 1.001).abs() < 1e-9);
+        assert_eq!(agreement.hit_error_px_p99, Some(5.0));
     }
 
     #[test]

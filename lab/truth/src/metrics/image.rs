@@ -22,9 +22,10 @@ pub fn masked_rmse(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -
 pub fn masked_relative_mse(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> Option<f64> {
     let (reference, test) = (select(reference, mask), select(test, mask));
     let square = |v: f32| f64::from(v).powi(2);
-    let energy: f64 = reference.as_flattened().iter().map(|v| square(*v)).sum();
-    let values = reference.len() as f64 * 3.0;
-    (energy != 0.0).then(|| rmse(reference.as_flattened(), test.as_flattened()).powi(2) * values / energy)
+    let reference_energy: f64 = reference.as_flattened().iter().map(|v| square(*v)).sum();
+    let value_count = reference.len() as f64 * 3.0;
+    (reference_energy != 0.0)
+        .then(|| rmse(reference.as_flattened(), test.as_flattened()).powi(2) * value_count / reference_energy)
 }
 
 /// Returns the error of each pixel: the root of the mean squared difference over its three channels, and 0 outside the
@@ -33,20 +34,20 @@ pub fn masked_relative_mse(reference: LinearPixels, test: LinearPixels, mask: &[
 /// # Panics
 /// If the images and the mask differ in length.
 pub fn error_map(reference: LinearPixels, test: LinearPixels, mask: &[bool]) -> Vec<f32> {
-    check(reference, test.len());
-    check(test, mask.len());
+    check_size(reference, test.len());
+    check_size(test, mask.len());
     let pairs = reference.iter().zip(test).zip(mask);
     pairs.map(|((a, b), masked)| if *masked { rmse(a, b) as f32 } else { 0.0 }).collect()
 }
 
 /// Returns the pixels of an image that belong to a mask, in order.
 fn select(image: LinearPixels, mask: &[bool]) -> Vec<[f32; 3]> {
-    check(image, mask.len());
+    check_size(image, mask.len());
     image.iter().zip(mask).filter(|(_, masked)| **masked).map(|(rgb, _)| *rgb).collect()
 }
 
 /// Panics unless the image has `pixels` pixels.
-fn check(image: LinearPixels, pixels: usize) {
+fn check_size(image: LinearPixels, pixels: usize) {
     assert_eq!(image.len(), pixels, "images and masks must have equal sizes");
 }
 

@@ -31,7 +31,7 @@ impl PixelVerdict {
     pub fn judge(shown: Vec3, screen: &EstimatedColor, world: &EstimatedColor) -> Self {
         // The shown colour has no standard error.
         let [shown_differs, screen_differs] =
-            [EstimatedColor { color: shown, ..EstimatedColor::default() }, *screen].map(|one| differs(&one, world));
+            [EstimatedColor { color: shown, ..EstimatedColor::default() }, *screen].map(|color| differs(&color, world));
         match (shown_differs, screen_differs) {
             (false, _) => Self::Right,
             (true, false) => Self::WrongByScreen,
@@ -76,9 +76,10 @@ fn rms(v: Vec3) -> f32 {
 /// always differs.
 fn differs(a: &EstimatedColor, b: &EstimatedColor) -> bool {
     // The displayed difference that `STANDARD_ERRORS` standard errors of one colour make.
-    let uncertainty = |one: &EstimatedColor| difference(one.color + STANDARD_ERRORS * one.standard_error, one.color);
-    let found = difference(a.color, b.color);
-    found.is_nan() || found > WRONG + uncertainty(a).hypot(uncertainty(b))
+    let uncertainty =
+        |known: &EstimatedColor| difference(known.color + STANDARD_ERRORS * known.standard_error, known.color);
+    let measured = difference(a.color, b.color);
+    measured.is_nan() || measured > WRONG + uncertainty(a).hypot(uncertainty(b))
 }
 
 #[cfg(test)]

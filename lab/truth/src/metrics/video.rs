@@ -28,11 +28,12 @@ pub struct Film {
 /// # Errors
 /// [`Error::Usage`] if the films differ in size or length, or the metric refuses them as too large or too short.
 pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64> {
-    let refused = |e: colorvideovdp::Error| Error::Usage(format!("ColorVideoVDP does not compare the films: {e}"));
+    let to_usage_error =
+        |e: colorvideovdp::Error| Error::Usage(format!("ColorVideoVDP does not compare the films: {e}"));
     let images = |film: &Film| {
         let image = |bytes: &Vec<u8>| {
-            let values = bytes.iter().map(|b| f32::from(*b) / 255.0).collect();
-            Image::new(film.width as usize, film.height as usize, 3, values)
+            let channel_values = bytes.iter().map(|b| f32::from(*b) / 255.0).collect();
+            Image::new(film.width as usize, film.height as usize, 3, channel_values)
         };
         film.frames.iter().map(image).collect::<colorvideovdp::Result<Vec<_>>>()
     };
@@ -46,7 +47,7 @@ pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64>
         let quality = metric.predict_video(&images(film)?, &images(reference)?, frames_per_second, Color::Srgb)?;
         Ok(f64::from(quality.jod))
     };
-    compare().map_err(refused)
+    compare().map_err(to_usage_error)
 }
 
 #[cfg(test)]
@@ -56,20 +57,20 @@ mod tests {
     /// Returns a grey film of 12 frames, in which a texture moves by one pixel a frame.
     fn film() -> Film {
         let (width, height) = (64, 48);
-        let texel = |n: u32, x: u32, y: u32| (((x + n) * 37 + y * 91) % 200 + 20) as u8;
-        let frame = |n| {
+        let texel = |frame_index: u32, x: u32, y: u32| (((x + frame_index) * 37 + y * 91) % 200 + 20) as u8;
+        let frame = |frame_index| {
             let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            pixels.flat_map(|(x, y)| [texel(n, x, y); 3]).collect()
+            pixels.flat_map(|(x, y)| [texel(frame_index, x, y); 3]).collect()
         };
         Film { width, height, frames: (0..12).map(frame).collect() }
     }
 
-    /// Returns the film with `change(frame, pixel)` added to each byte of the pixel, within 0…255.
-    fn with(mut film: Film, change: impl Fn(usize, usize) -> i16) -> Film {
-        for (n, frame) in film.frames.iter_mut().enumerate() {
+    /// Returns the film with `change(frame index, pixel index)` added to each byte of the pixel, clamped to 0…255.
+    fn with_added(mut film: Film, change: impl Fn(usize, usize) -> i16) -> Film {
+        for (frame_index, frame) in film.frames.iter_mut().enumerate() {
             for (i, byte) in frame.iter_mut().enumerate() {
                 // A pixel has three bytes.
-                *byte = (i16::from(*byte) + change(n, i / 3)).clamp(0, 255) as u8;
+                *byte = (i16::from(*byte) + change(frame_index, i / 3)).clamp(0, 255) as u8;
             }
         }
         film
@@ -78,10 +79,10 @@ mod tests {
     #[test]
     fn a_film_is_worth_most_beside_itself_and_less_the_more_it_differs() {
         let reference = film();
-        let worth =
-            |change: &dyn Fn(usize, usize) -> i16| jod(&with(film(), change), &reference, 30.0).expect("a value");
-        assert!((worth(&|_, _| 0) - 10.0).abs() < 1e-3);
-        let [weak, strong] = [4, 16].map(|step| worth(&|_, i| if i % 7 < 3 { step } else { 0 }));
+        let quality_jod =
+            |change: &dyn Fn(usize, usize) -> i16| jod(&with_added(film(), change), &reference, 30.0).expect("a value");
+        assert!((quality_jod(&|_, _| 0) - 10.0).abs() < 1e-3);
+        let [weak, strong] = [4, 16].map(|step| quality_jod(&|_, i| if i % 7 < 3 { step } else { 0 }));
         assert!(weak < 10.0 && strong < weak - 0.2, "{weak}, {strong}");
     }
 
@@ -89,11 +90,12 @@ mod tests {
     /// of single images can measure.
     #[test]
     fn what_flickers_is_worth_less_than_what_stands_still() {
-        let grey = with(film(), |_, _| -255);
-        let reference = with(grey, |_, _| 128);
-        let worth = |change: &dyn Fn(usize) -> i16| jod(&with(reference.clone(), |n, _| change(n)), &reference, 30.0);
-        let still = worth(&|_| 8).expect("a value");
-        let flickering = worth(&|n| if n % 4 < 2 { 8 } else { -8 }).expect("a value");
+        let black = with_added(film(), |_, _| -255);
+        let reference = with_added(black, |_, _| 128);
+        let quality_jod =
+            |change: &dyn Fn(usize) -> i16| jod(&with_added(reference.clone(), |n, _| change(n)), &reference, 30.0);
+        let still = quality_jod(&|_| 8).expect("a value");
+        let flickering = quality_jod(&|n| if n % 4 < 2 { 8 } else { -8 }).expect("a value");
         assert!(flickering < still - 0.5, "{flickering}, {still}");
     }
 

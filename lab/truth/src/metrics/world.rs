@@ -44,7 +44,7 @@ pub fn agreement(reflects: &[bool], visible: &[Option<[f64; 2]>], method: &[Opti
             (None, None) => counts.agree += 1,
             (None, Some(_)) => counts.false_hits += 1,
             (Some(_), None) => counts.missed += 1,
-            (Some(a), Some(b)) if is_same_place(*a, *b) => counts.agree += 1,
+            (Some(true_place), Some(hit)) if is_same_place(*true_place, *hit) => counts.agree += 1,
             (Some(_), Some(_)) => counts.displaced += 1,
         }
     }

@@ -192,8 +192,8 @@ impl FirstHits {
         let mut first_hits = Self::from_gbuffer(gbuffer);
         let receiver = first_hits.receivers.get(index).copied().flatten();
         first_hits.receivers.fill(None);
-        if let Some(kept) = first_hits.receivers.get_mut(index) {
-            *kept = receiver;
+        if let Some(only_receiver) = first_hits.receivers.get_mut(index) {
+            *only_receiver = receiver;
         }
         first_hits.moved_to_surfaces(world, gbuffer)
     }

@@ -20,24 +20,24 @@ impl MinMax {
     }
 }
 
-/// Eq. 4.1: returns the offset in texels from the first to the second texel that a cell reads along an axis. `side` is
-/// the size of the finer level along this axis.
+/// Returns, by Eq. 4.1 of the thesis, the offset in texels from the first to the second texel that a cell reads along
+/// an axis. `side` is the size in texels of the finer level along this axis.
 pub fn offset(side: u32) -> u32 {
     if side.is_multiple_of(2) { 1 } else { 2 }
 }
 
-/// Alg. 3 over a whole level: returns the next coarser level; `None` if `below` has a single texel. The thesis does not
-/// say what a fetch beyond the edge returns (which occurs for a side of 1). Here, as in the shader, it returns the
-/// texel at the edge.
+/// Makes the next coarser level by Alg. 3 of the thesis; `None` if `finer` has a single texel. The thesis does not say
+/// what a fetch beyond the edge returns (which occurs for a side of 1). Here, as in the shader, it returns the texel at
+/// the edge.
 ///
 /// Four texels determine a cell, even if it covers six or nine, which is the erratum of Alg. 3.
-pub fn reduce(below: &Level<MinMax>) -> Option<Level<MinMax>> {
-    let (width, height) = below.coarser()?;
-    let (offset_x, offset_y) = (offset(below.width), offset(below.height));
+pub fn reduce(finer: &Level<MinMax>) -> Option<Level<MinMax>> {
+    let (width, height) = finer.coarser()?;
+    let (offset_x, offset_y) = (offset(finer.width), offset(finer.height));
     Some(Level::from_fn(width, height, |x, y| {
         let (x, y) = (2 * x, 2 * y);
         let offsets = [(0, 0), (offset_x, 0), (0, offset_y), (offset_x, offset_y)];
-        let texels = offsets.map(|(dx, dy)| below.at_clamped(x + dx, y + dy));
+        let texels = offsets.map(|(dx, dy)| finer.at_clamped(x + dx, y + dy));
         MinMax {
             min: texels.map(|texel| texel.min).into_iter().fold(f32::INFINITY, f32::min),
             max: texels.map(|texel| texel.max).into_iter().fold(f32::NEG_INFINITY, f32::max),
@@ -66,16 +66,16 @@ mod tests {
 
     #[test]
     fn an_even_level_takes_all_four_texels() {
-        let c = chain(&depth(2, 2, &[0.4, 0.3, 0.9, 0.5]));
-        assert_eq!(c.len(), 2);
-        assert_eq!(c[1].texels, [MinMax { min: 0.3, max: 0.9 }]);
+        let levels = chain(&depth(2, 2, &[0.4, 0.3, 0.9, 0.5]));
+        assert_eq!(levels.len(), 2);
+        assert_eq!(levels[1].texels, [MinMax { min: 0.3, max: 0.9 }]);
     }
 
     #[test]
     fn an_odd_level_skips_its_middle_texel() {
         // For a side of 3, Eq. 4.1 reads texels 0 and 2: the nearest texel, in the middle, is lost.
-        let c = chain(&depth(3, 1, &[0.4, 0.1, 0.5]));
-        assert_eq!(c[1].texels, [MinMax { min: 0.4, max: 0.5 }]);
+        let levels = chain(&depth(3, 1, &[0.4, 0.1, 0.5]));
+        assert_eq!(levels[1].texels, [MinMax { min: 0.4, max: 0.5 }]);
     }
 
     #[test]

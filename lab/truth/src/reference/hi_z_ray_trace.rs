@@ -67,21 +67,21 @@ impl HiZTrace {
     }
 }
 
-/// Alg. 2: returns the reflection vector V_ss of a pixel P_ss, both in texture coordinates and standard depth. `normal`
-/// is the pixel's unit normal in view space, and `offset` is the algorithm's ε in metres.
+/// Returns, by Alg. 2 of the thesis, the reflection vector V_ss of a pixel at P_ss, both in texture coordinates and
+/// standard depth. `normal` is the pixel's unit normal in view space, and `offset` is the algorithm's ε in metres.
 pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) -> Vec3 {
     // Inverted in f64 and rounded once, like the matrices that the shader receives.
     let projection = camera.view_to_clip().as_dmat4();
     let (project, unproject) = (projection.as_mat4(), projection.inverse().as_mat4());
-    let half = Vec2::new(0.5, -0.5);
-    let p_vs = unproject.project_point3(((p_ss.xy() - 0.5) / half).extend(p_ss.z));
+    let clip_to_uv_scale = Vec2::new(0.5, -0.5);
+    let p_vs = unproject.project_point3(((p_ss.xy() - 0.5) / clip_to_uv_scale).extend(p_ss.z));
     let r_vs = p_vs.normalize().reflect(normal);
     let o_ps = project.project_point3(p_vs + r_vs * offset);
-    (o_ps.xy() * half + 0.5).extend(o_ps.z) - p_ss
+    (o_ps.xy() * clip_to_uv_scale + 0.5).extend(o_ps.z) - p_ss
 }
 
-/// Alg. 4: follows the ray from P_ss along V_ss over a Hi-Z chain, whose finest level comes first. Both are in texture
-/// coordinates and standard depth, and V_ss.z must be above 0.
+/// Follows, by Alg. 4 of the thesis, the ray from P_ss along V_ss over a Hi-Z chain, whose finest level comes first.
+/// Both are in texture coordinates and standard depth, and V_ss.z must be above 0.
 pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZConstants) -> HiZTrace {
     let resolution = cell_count(chain, 0);
     let sign = Vec2::select(v_ss.xy().cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
@@ -93,37 +93,37 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZCon
     let origin = p_ss + direction * -p_ss.z;
     let point_at = |z: f32| origin + direction * z;
     // The point at which the ray leaves a cell of a level with `count` cells, pushed past the boundary.
-    let to_boundary = |cell: Vec2, count: Vec2| {
-        let delta = ((cell + cross_step) / count + cross_offset - origin.xy()) / direction.xy();
-        point_at(delta.min_element())
+    let past_boundary = |cell: Vec2, count: Vec2| {
+        let boundary_z = ((cell + cross_step) / count + cross_offset - origin.xy()) / direction.xy();
+        point_at(boundary_z.min_element())
     };
-    let cell_of = |ray: Vec3, count: Vec2| (ray.xy() * count).floor();
+    let cell_at = |ray: Vec3, count: Vec2| (ray.xy() * count).floor();
 
     let mut level = constants.start_level as usize;
     let count = cell_count(chain, level);
-    let entered = to_boundary(cell_of(p_ss, count), count);
+    let entered = past_boundary(cell_at(p_ss, count), count);
     let (mut ray, mut steps) = (entered, Vec::new());
     let end = loop {
         if steps.len() as u32 >= constants.iterations {
             break End::Exhausted;
         }
         let count = cell_count(chain, level);
-        let cell = cell_of(ray, count);
+        let cell = cell_at(ray, count);
         // The nearest texel, clamped to the edge.
         let minimum_plane = chain[level].at_clamped(cell.x.max(0.0) as u32, cell.y.max(0.0) as u32).min;
         let on_plane = point_at(ray.z.max(minimum_plane));
-        let crossed = cell_of(on_plane, count) != cell;
-        ray = if crossed { to_boundary(cell, count) } else { on_plane };
+        let crossed = cell_at(on_plane, count) != cell;
+        ray = if crossed { past_boundary(cell, count) } else { on_plane };
         steps.push(Step { level: level as u32, cell, cell_count: count, minimum_plane, crossed, ray });
-        let left = ray.xy().cmplt(Vec2::ZERO).any() || ray.xy().cmpgt(Vec2::ONE).any();
-        let below = !crossed && level == 0;
+        let left_screen = ray.xy().cmplt(Vec2::ZERO).any() || ray.xy().cmpgt(Vec2::ONE).any();
+        let below_finest = !crossed && level == 0;
         level = if crossed { (level + 1).min(chain.len() - 1) } else { level.saturating_sub(1) };
         // The checks have the shader's order: the loop body tests for the screen's edge, and then the loop's condition
         // tests the level.
-        if left {
+        if left_screen {
             break End::LeftScreen;
         }
-        if below {
+        if below_finest {
             break End::Hit;
         }
     };
@@ -166,9 +166,9 @@ mod tests {
     #[test]
     fn a_ray_past_the_wall_leaves_the_screen_or_runs_out_of_iterations() {
         let from = Vec3::new(2.5 / 16.0, 8.5 / 16.0, 0.3);
-        let v = Vec3::new(0.0, 0.4, 0.01);
-        assert_eq!(trace(&wall(), from, v, &PUBLISHED).end, End::LeftScreen);
-        let short = trace(&wall(), from, v, &HiZConstants { iterations: 2, ..PUBLISHED });
+        let direction = Vec3::new(0.0, 0.4, 0.01);
+        assert_eq!(trace(&wall(), from, direction, &PUBLISHED).end, End::LeftScreen);
+        let short = trace(&wall(), from, direction, &HiZConstants { iterations: 2, ..PUBLISHED });
         assert_eq!((short.end, short.steps.len()), (End::Exhausted, 2));
     }
 }

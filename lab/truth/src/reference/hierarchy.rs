@@ -62,7 +62,7 @@ impl<'a> Hierarchy<'a> {
         // The walks along x and along y; their pixels are the column and the row in which the ray is.
         let mut walks = [0, 1].map(|axis| AxisWalk::new(segment, axis, sides[axis]));
         let mut steps = 0;
-        // The s at which the ray enters the current cell. The starting pixel is left without being tested.
+        // The parameter s of the ray where it enters the current cell. The starting pixel is left without being tested.
         let mut entry = walks[0].exit(0).min(walks[1].exit(0));
         if entry >= 1.0 {
             return self.miss(&walks, segment, 1.0, steps);
@@ -70,7 +70,7 @@ impl<'a> Hierarchy<'a> {
         for walk in &mut walks {
             walk.advance(entry);
         }
-        let start = entry;
+        let first_entry = entry;
         let mut level = 0;
         loop {
             let Some(cell) = self.cell(&walks, level) else {
@@ -83,9 +83,9 @@ impl<'a> Hierarchy<'a> {
                 let (at_entry, at_exit) = (segment.depth_at(entry), segment.depth_at(exit.min(1.0)));
                 if at_entry > at_exit { (at_entry, at_exit) } else { (at_exit, at_entry) }
             };
-            // By version 2, the first pixel cannot be hit if it may show the surface that the ray is leaving.
-            let (is_version_2, is_first) = (self.version == OracleVersion::V2, entry == start);
-            let leaves_surface = is_version_2 && is_first && self.inward(&walks, segment) < 0.0;
+            // Version 2 lets the ray pass the first pixel, if that may show the surface that the ray is leaving.
+            let (is_version_2, is_first) = (self.version == OracleVersion::V2, entry == first_entry);
+            let leaves_surface = is_version_2 && is_first && self.inward_cosine(&walks, segment) < 0.0;
             if far <= cell.front && near >= cell.back && !leaves_surface {
                 if level > 0 {
                     level -= 1;
@@ -123,25 +123,25 @@ impl<'a> Hierarchy<'a> {
 
     /// Returns the cosine of the angle between a ray and the reversed normal of the current pixel. The cosine is
     /// negative if the ray runs away from the surface, and 0 without a normal.
-    fn inward(&self, walks: &[AxisWalk; 2], segment: &Segment) -> f64 {
+    fn inward_cosine(&self, walks: &[AxisWalk; 2], segment: &Segment) -> f64 {
         let [x, y] = walks.map(|walk| walk.pixel as u32);
         segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
     }
 
-    /// Returns whether a ray that enters the current pixel at `entry` comes from behind the pixel's block (version 2 of
-    /// the oracle, [`super::oracle`]). It does if it was behind the front of the pixel before. At an edge between the
-    /// two surfaces, it also does if it is deeper in the block than the thickness times the cosine between ray and
-    /// reversed normal.
+    /// Returns whether a ray that enters the current pixel at s = `entry` comes from behind the pixel's block, by
+    /// version 2 of the oracle ([`super::oracle`]). It does if it was behind the front of the previous pixel's block.
+    /// At an edge between two surfaces, it also does if it is deeper in the block than the thickness times the cosine
+    /// between ray and reversed normal.
     fn is_behind(&self, walks: &[AxisWalk; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
-        let depth = segment.depth_at(entry);
+        let entry_depth = segment.depth_at(entry);
         let previous = self.cell(&walks.map(|walk| walk.just_before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
         let is_edge = block.front - previous.front > JOINED * (block.thickness() + previous.thickness());
-        let is_deep = block.front - depth > self.inward(walks, segment).max(0.0) * block.thickness();
-        depth < block.front && (depth < previous.front || (is_edge && is_deep))
+        let is_deep = block.front - entry_depth > self.inward_cosine(walks, segment).max(0.0) * block.thickness();
+        entry_depth < block.front && (entry_depth < previous.front || (is_edge && is_deep))
     }
 
-    /// Returns the miss of a ray that ends at the given s. Its reason is the side of the frustum at which the segment
-    /// ends. The miss is behind if the ray ends behind the block of the pixel in which it is just before s.
+    /// Returns the miss of a ray that ends at the parameter s. The reason is the frustum's side at which the segment
+    /// ends. The flag `behind` is set if the ray ends behind the block of the pixel in which it is just before s.
     fn miss(&self, walks: &[AxisWalk; 2], segment: &Segment, s: f64, steps: u32) -> Trace {
         let last = walks.map(|walk| walk.just_before(s));
         let behind =
@@ -151,13 +151,13 @@ impl<'a> Hierarchy<'a> {
 }
 
 /// Returns the next coarser level, with half the width and height, rounded up; `None` if the level has a single cell.
-fn coarser(below: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
-    let side = |n: u32| n.div_ceil(2);
-    (below.width > 1 || below.height > 1).then(|| {
-        Level::from_fn(side(below.width), side(below.height), |x, y| {
+fn coarser(finer: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
+    let half = |side: u32| side.div_ceil(2);
+    (finer.width > 1 || finer.height > 1).then(|| {
+        Level::from_fn(half(finer.width), half(finer.height), |x, y| {
             // At an odd edge the same block counts twice, which does not change the union.
-            let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| below.at_clamped(2 * x + dx, 2 * y + dy));
-            four.into_iter().fold(DepthBlock::EMPTY, DepthBlock::union)
+            let blocks = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| finer.at_clamped(2 * x + dx, 2 * y + dy));
+            blocks.into_iter().fold(DepthBlock::EMPTY, DepthBlock::union)
         })
     })
 }
@@ -205,45 +205,46 @@ impl<'s> AxisWalk<'s> {
         Self { segment, axis, direction, first, pixel: first, side: side as i32 }
     }
 
-    /// Returns the s at which the ray leaves the cell of the given level that contains the current pixel. The last cell
-    /// may extend beyond the screen. The ray leaves it at the screen's edge, where it also ends but for rounding.
+    /// Returns the ray's parameter s where it leaves the cell of the given level that contains the current pixel. The
+    /// last cell may extend beyond the screen. The ray leaves it at the screen's edge, where it also ends but for
+    /// rounding.
     fn exit(&self, level: usize) -> f64 {
         let cell = self.pixel >> level;
         let cell_after_boundary = if self.direction > 0 { cell + 1 } else { cell };
         self.crossing((cell_after_boundary << level).min(self.side))
     }
 
-    /// Returns the s at which the ray crosses the boundary before column (or row) `boundary`.
+    /// Returns the ray's parameter s where it crosses the boundary before column (or row) `boundary`.
     fn crossing(&self, boundary: i32) -> f64 {
         self.segment.crossing(self.axis, boundary)
     }
 
-    /// Advances to the column (or row) in which the ray is just after s, past every boundary that it crosses at s or
-    /// before.
+    /// Advances to the column (or row) in which the ray is just after the parameter s, past every boundary that it
+    /// crosses at s or before.
     fn advance(&mut self, s: f64) {
         self.pixel = self.pixel_at(s, |crossing| crossing <= s);
     }
 
-    /// Returns the walk at the column (or row) in which the ray is just before s, past every boundary that it crosses
-    /// before s.
+    /// Returns the walk at the column (or row) in which the ray is just before the parameter s, past every boundary
+    /// that it crosses before s.
     fn just_before(&self, s: f64) -> Self {
         Self { pixel: self.pixel_at(s, |crossing| crossing < s), ..*self }
     }
 
-    /// Returns the column (or row) that the ray has reached after all boundaries for whose s `crossed` is true. The
-    /// position at s gives a first guess. The two loops correct it, so that the result does not depend on the rounding
-    /// of the position.
-    fn pixel_at(&self, s: f64, crossed: impl Fn(f64) -> bool) -> i32 {
+    /// Returns the column (or row) that the ray has reached near the parameter s. `is_crossed` gets the parameter of a
+    /// boundary and says whether the ray is past it. The position at s gives a first guess. The two loops correct it,
+    /// so that the result does not depend on the rounding of the position.
+    fn pixel_at(&self, s: f64, is_crossed: impl Fn(f64) -> bool) -> i32 {
         if self.direction == 0 {
             return self.first;
         }
         let mut pixel = self.segment.point_at(s)[self.axis].floor() as i32;
         // Offsets from a pixel to the boundaries at which the ray leaves it and at which it entered it.
         let (ahead, behind) = if self.direction > 0 { (1, 0) } else { (0, 1) };
-        while crossed(self.crossing(pixel + ahead)) {
+        while is_crossed(self.crossing(pixel + ahead)) {
             pixel += self.direction;
         }
-        while pixel != self.first && !crossed(self.crossing(pixel + behind)) {
+        while pixel != self.first && !is_crossed(self.crossing(pixel + behind)) {
             pixel -= self.direction;
         }
         pixel

@@ -82,7 +82,7 @@ pub struct ImageOracle<'a> {
     bounds: [DVec3; 2],
 }
 
-/// A capture.
+/// A capture, with the oracles of its six faces.
 #[derive(Debug, Clone)]
 struct Cube<'a> {
     /// Place relative to the eye, in world axes, in metres.
@@ -124,8 +124,10 @@ impl<'a> ImageOracle<'a> {
         let view_to_world = |data: &GBufferData| DMat3::from_mat4(data.camera.world_to_view.as_dmat4().inverse());
         let eye = screen.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
         let face = |data: &'a GBufferData| Face { image: Oracle::new(data), view_to_world: view_to_world(data) };
-        let cube =
-            |c: &'a CaptureData| Cube { place: c.place.as_dvec3() - eye, faces: c.faces.iter().map(face).collect() };
+        let cube = |data: &'a CaptureData| Cube {
+            place: data.place.as_dvec3() - eye,
+            faces: data.faces.iter().map(face).collect(),
+        };
         Self {
             screen: Oracle::new(screen),
             view_to_world: view_to_world(screen),
@@ -164,7 +166,8 @@ impl<'a> ImageOracle<'a> {
     /// Follows the mirror ray of pixel (x, y) on the screen.
     pub fn trace_screen(&self, x: u32, y: u32) -> ScreenRayEnd {
         let rays = &self.screen.rays;
-        let direction = rays.mirror(x, y).filter(|d| rays.normal(x, y).is_some_and(|n| n.dot(*d) > 0.0));
+        let direction =
+            rays.mirror(x, y).filter(|mirror| rays.normal(x, y).is_some_and(|normal| normal.dot(*mirror) > 0.0));
         direction.map_or(ScreenRayEnd::NoRay, |direction| self.trace_screen_along(x, y, direction))
     }
 
@@ -172,32 +175,34 @@ impl<'a> ImageOracle<'a> {
     pub fn trace_screen_along(&self, x: u32, y: u32, direction: DVec3) -> ScreenRayEnd {
         let rays = &self.screen.rays;
         let Some(segment) = rays.segment(x, y, direction) else { return ScreenRayEnd::NoRay };
-        // The s at which the screen loses the ray behind a block.
-        let mut lost_at = None;
-        for (steps, passed) in self.screen.pixels(&segment).enumerate().skip(1) {
-            let PassedPixel { pixel, last: Some(last), entry, exit } = passed else { continue };
+        // The ray's parameter s (0 to 1) where the screen loses it behind a block.
+        let mut lost_s = None;
+        for (pixels_passed, passed) in self.screen.pixels(&segment).enumerate().skip(1) {
+            let PassedPixel { pixel, previous: Some(previous), entry, exit } = passed else { continue };
             let block = self.screen.block(pixel).unwrap_or(DepthBlock::EMPTY);
-            let along = self.screen.along_normal(pixel, &segment);
+            let normal_cosine = self.screen.along_normal(pixel, &segment);
             // The first pixel after the start belongs to the surface that the ray leaves.
-            if steps == 1 && along > 0.0 {
+            if pixels_passed == 1 && normal_cosine > 0.0 {
                 continue;
             }
-            let [first, nearest] = [segment.depth_at(entry), segment.depth_at(entry).max(segment.depth_at(exit))];
-            let is_behind = nearest < block.back && block != DepthBlock::EMPTY;
-            let met = oracle::meets(&segment, block, entry, exit);
-            let from_behind = steps > 1 && self.screen.comes_from_behind(first, last, block, along);
-            if is_behind || (met.is_some() && from_behind) {
-                lost_at = Some(entry);
+            let [entry_depth, nearest_depth] =
+                [segment.depth_at(entry), segment.depth_at(entry).max(segment.depth_at(exit))];
+            let is_behind = nearest_depth < block.back && block != DepthBlock::EMPTY;
+            let meeting = oracle::meets(&segment, block, entry, exit);
+            let from_behind =
+                pixels_passed > 1 && self.screen.comes_from_behind(entry_depth, previous, block, normal_cosine);
+            if is_behind || (meeting.is_some() && from_behind) {
+                lost_s = Some(entry);
                 break;
             }
-            if let Some((s, _)) = met {
+            if let Some((s, _)) = meeting {
                 return ScreenRayEnd::Ends(EndInImages::Screen(segment.point_at(s)));
             }
         }
-        if lost_at.is_none() && segment.end == MissReason::Far {
+        if lost_s.is_none() && segment.end == MissReason::Far {
             return ScreenRayEnd::Ends(EndInImages::Sky);
         }
-        let start = self.view_to_world * rays.unproject(segment.point_at(lost_at.unwrap_or(1.0)));
+        let start = self.view_to_world * rays.unproject(segment.point_at(lost_s.unwrap_or(1.0)));
         ScreenRayEnd::Loses(ExactLostRay { start, direction: self.view_to_world * segment.direction })
     }
 
@@ -213,7 +218,7 @@ impl<'a> ImageOracle<'a> {
             let cube = &self.captures[index];
             let (end, offset) = cube.follow(point - cube.place, lost.direction);
             let place = offset + cube.place;
-            let distance_along = |to: DVec3| (to - lost.start).dot(lost.direction);
+            let distance_along = |reached: DVec3| (reached - lost.start).dot(lost.direction);
             match end {
                 FollowEnd::Sky => return EndInImages::Sky,
                 FollowEnd::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(offset) },
@@ -248,8 +253,8 @@ impl Cube<'_> {
     /// Returns the face in which a direction in world axes lies: the face along whose axis the direction reaches
     /// farthest.
     fn cube_face(&self, direction: DVec3) -> &Face<'_> {
-        let along = |face: &&Face| face.view_to_world.z_axis.dot(direction);
-        let farthest = self.faces.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
+        let axis_distance = |face: &&Face| face.view_to_world.z_axis.dot(direction);
+        let farthest = self.faces.iter().max_by(|a, b| axis_distance(a).total_cmp(&axis_distance(b)));
         farthest.unwrap_or(&self.faces[0])
     }
 
@@ -304,23 +309,25 @@ impl Face<'_> {
         }
         let place = |s: f64| self.view_to_world * rays.unproject(segment.point_at(s));
         let mut thickness = 0.0;
-        for PassedPixel { pixel, last, entry, exit } in image.pixels(&segment) {
+        for PassedPixel { pixel, previous, entry, exit } in image.pixels(&segment) {
             let block = image.block(pixel).unwrap_or(DepthBlock::EMPTY);
             thickness = block.thickness();
-            let (first, deepest) = (segment.depth_at(entry), segment.depth_at(entry).min(segment.depth_at(exit)));
-            if deepest > block.front {
+            let (entry_depth, farthest_depth) =
+                (segment.depth_at(entry), segment.depth_at(entry).min(segment.depth_at(exit)));
+            if farthest_depth > block.front {
                 continue;
             }
-            let along = image.along_normal(pixel, &segment);
-            let is_inside = first >= block.back;
-            if along > 0.0 && is_inside {
+            let normal_cosine = image.along_normal(pixel, &segment);
+            let is_inside = entry_depth >= block.back;
+            if normal_cosine > 0.0 && is_inside {
                 continue;
             }
-            // A ray along the normal is behind the back here. `last` is none in the pixel in which the ray begins.
-            let is_lost = match last {
-                _ if along > 0.0 => true,
-                Some(last) => image.comes_from_behind(first, last, block, along),
-                None => first < block.back - last_thickness,
+            // A ray along the normal is behind the block's back here. Only the pixel in which the ray begins has no
+            // previous one.
+            let is_lost = match previous {
+                _ if normal_cosine > 0.0 => true,
+                Some(previous) => image.comes_from_behind(entry_depth, previous, block, normal_cosine),
+                None => entry_depth < block.back - last_thickness,
             };
             if is_lost {
                 return (FollowEnd::Lost, place(entry));
@@ -347,8 +354,9 @@ impl Face<'_> {
             (end.y, DVec3::Y, segment.delta.y < 0.0),
             (side - end.y, DVec3::NEG_Y, segment.delta.y > 0.0),
         ];
-        let left = sides.into_iter().filter(|(.., towards)| *towards).min_by(|(a, ..), (b, ..)| a.total_cmp(b));
-        self.view_to_world * left.map_or(DVec3::X, |(_, axis, _)| axis)
+        let exit_side =
+            sides.into_iter().filter(|(.., is_towards)| *is_towards).min_by(|(a, ..), (b, ..)| a.total_cmp(b));
+        self.view_to_world * exit_side.map_or(DVec3::X, |(_, axis, _)| axis)
     }
 }
 

@@ -57,10 +57,10 @@ pub(super) struct PassedPixel {
     /// Index of the pixel.
     pub pixel: [i32; 2],
     /// The previous pixel; `None` for the pixel in which the segment begins.
-    pub last: Option<[i32; 2]>,
-    /// s at which the segment enters the pixel.
+    pub previous: Option<[i32; 2]>,
+    /// The segment's parameter s (0 to 1) where it enters the pixel.
     pub entry: f64,
-    /// s at which the segment leaves the pixel, or ends.
+    /// The segment's parameter s where it leaves the pixel, or ends.
     pub exit: f64,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Oracle<'a> {
         Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer), version: OracleVersion::V1 }
     }
 
-    /// Returns the same oracle, by whose given version rays hit.
+    /// Returns the same oracle, in which rays hit by the rules of the given version.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
@@ -126,49 +126,53 @@ impl<'a> Oracle<'a> {
         meetings
     }
 
-    /// Walks over the pixels after the starting one, and calls `meet` for each block that the ray meets. If `meet`
+    /// Walks over the pixels after the starting one, and calls `on_meeting` for each block that the ray meets. If that
     /// returns `Break`, the walk ends with its value; a walk that reaches the segment's end returns `Continue` with a
     /// miss.
-    fn walk<B>(&self, segment: &Segment, mut meet: impl FnMut(Meeting) -> ControlFlow<B>) -> ControlFlow<B, Trace> {
+    fn walk<B>(
+        &self,
+        segment: &Segment,
+        mut on_meeting: impl FnMut(Meeting) -> ControlFlow<B>,
+    ) -> ControlFlow<B, Trace> {
         // The last pixel that the segment passes, with its number.
-        let mut end = None;
+        let mut last_passed = None;
         for (steps, passed) in self.pixels(segment).enumerate() {
-            let PassedPixel { pixel, last, entry, exit } = passed;
-            end = Some((steps as u32, passed));
-            let (Some(last), Some(block)) = (last, self.block(pixel)) else { continue };
+            let PassedPixel { pixel, previous, entry, exit } = passed;
+            last_passed = Some((steps as u32, passed));
+            let (Some(previous), Some(block)) = (previous, self.block(pixel)) else { continue };
             if let Some((s, crosses_front)) = meets(segment, block, entry, exit) {
                 let along_normal = self.along_normal(pixel, segment);
                 let approach = if steps == 1 && along_normal > 0.0 {
                     Approach::Leaving
-                } else if steps > 1 && self.comes_from_behind(segment.depth_at(entry), last, block, along_normal) {
+                } else if steps > 1 && self.comes_from_behind(segment.depth_at(entry), previous, block, along_normal) {
                     Approach::Behind
                 } else {
                     Approach::InFront
                 };
                 let (pixel, position, steps) = (pixel.map(|p| p as u32), segment.point_at(s), steps as u32);
-                meet(Meeting { pixel, position, crosses_front, approach, steps })?;
+                on_meeting(Meeting { pixel, position, crosses_front, approach, steps })?;
             }
         }
         let miss = |(steps, passed): (u32, PassedPixel)| self.miss(passed.pixel, segment, passed.exit, steps);
-        ControlFlow::Continue(end.map_or(Trace::NO_RAY, miss))
+        ControlFlow::Continue(last_passed.map_or(Trace::NO_RAY, miss))
     }
 
     /// Returns the pixels that a segment passes, in order, from the pixel in which it begins. The walk crosses the
     /// nearer of the next boundaries in x and y; at a corner it goes directly to the diagonal pixel.
     pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = PassedPixel> {
         let sides = [self.blocks.width, self.blocks.height].map(|side| side as i32);
-        let first = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
+        let start_pixel = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
         let exits = |pixel: [i32; 2]| [0, 1].map(|axis| axis_exit(segment, axis, pixel[axis]));
-        let passed = move |pixel: [i32; 2], last, entry: f64| {
+        let passed_pixel = move |pixel: [i32; 2], previous, entry: f64| {
             let [x_exit, y_exit] = exits(pixel);
-            PassedPixel { pixel, last, entry, exit: x_exit.min(y_exit).min(1.0) }
+            PassedPixel { pixel, previous, entry, exit: x_exit.min(y_exit).min(1.0) }
         };
-        std::iter::successors(Some(passed(first, None, 0.0)), move |PassedPixel { pixel, exit, .. }| {
+        std::iter::successors(Some(passed_pixel(start_pixel, None, 0.0)), move |PassedPixel { pixel, exit, .. }| {
             let next_exits = exits(*pixel);
             let step = |axis: usize| if segment.delta[axis] > 0.0 { 1 } else { -1 };
-            let onward = [0, 1].map(|axis| pixel[axis] + if next_exits[axis] <= *exit { step(axis) } else { 0 });
-            let is_inside = [0, 1].into_iter().all(|axis| (0..sides[axis]).contains(&onward[axis]));
-            (*exit < 1.0 && is_inside).then(|| passed(onward, Some(*pixel), *exit))
+            let next_pixel = [0, 1].map(|axis| pixel[axis] + if next_exits[axis] <= *exit { step(axis) } else { 0 });
+            let is_inside = [0, 1].into_iter().all(|axis| (0..sides[axis]).contains(&next_pixel[axis]));
+            (*exit < 1.0 && is_inside).then(|| passed_pixel(next_pixel, Some(*pixel), *exit))
         })
     }
 
@@ -177,20 +181,20 @@ impl<'a> Oracle<'a> {
         self.rays.normal(pixel[0] as u32, pixel[1] as u32).map_or(0.0, |n| n.dot(segment.direction))
     }
 
-    /// Returns whether a ray that comes from the pixel `last` and enters a block's pixel at `entry_depth` passes behind
-    /// the block, by the rules of version 2 in the module's description. `along_normal` is the cosine between the ray
-    /// and the block's normal, or 0 if there is no normal.
+    /// Returns whether a ray that comes from the pixel `previous` and enters a block's pixel at the reversed depth
+    /// `entry_depth` passes behind the block, by the rules of version 2 in the module's description. `along_normal` is
+    /// the cosine between the ray and the block's normal, or 0 if there is no normal.
     pub(super) fn comes_from_behind(
         &self,
         entry_depth: f64,
-        last: [i32; 2],
+        previous: [i32; 2],
         block: DepthBlock,
         along_normal: f64,
     ) -> bool {
-        let last = self.block(last).unwrap_or(DepthBlock::EMPTY);
-        let is_joined = block.front - last.front <= JOINED * (block.thickness() + last.thickness());
-        let at_rim = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
-        entry_depth < block.front && (entry_depth < last.front || !(is_joined || at_rim))
+        let previous_block = self.block(previous).unwrap_or(DepthBlock::EMPTY);
+        let is_joined = block.front - previous_block.front <= JOINED * (block.thickness() + previous_block.thickness());
+        let is_near_front = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
+        entry_depth < block.front && (entry_depth < previous_block.front || !(is_joined || is_near_front))
     }
 
     /// Returns the block of pixel (x, y); `None` off screen.
@@ -199,29 +203,29 @@ impl<'a> Oracle<'a> {
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
 
-    /// Returns the miss of a ray that ends at s = `end` in the pixel `last`. The miss is behind if that end is behind
+    /// Returns the miss of a ray that ends in a pixel at s = `end_s`. The flag `behind` is set if that end is behind
     /// the pixel's block.
-    fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
-        let block = self.block(last).unwrap_or(DepthBlock::EMPTY);
-        let behind = block != DepthBlock::EMPTY && segment.depth_at(end) < block.back;
+    fn miss(&self, pixel: [i32; 2], segment: &Segment, end_s: f64, steps: u32) -> Trace {
+        let block = self.block(pixel).unwrap_or(DepthBlock::EMPTY);
+        let behind = block != DepthBlock::EMPTY && segment.depth_at(end_s) < block.back;
         Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
     }
 }
 
-/// Returns the s at which the segment leaves the column (axis 0) or row (axis 1) number `pixel`.
+/// Returns the segment's parameter s where it leaves the column (axis 0) or row (axis 1) number `pixel`.
 fn axis_exit(segment: &Segment, axis: usize, pixel: i32) -> f64 {
     segment.crossing(axis, if segment.delta[axis] > 0.0 { pixel + 1 } else { pixel })
 }
 
-/// Returns the s at which a ray meets the block of a pixel in which it is from s = `entry` to `exit`, and whether it
-/// crosses the block's front there. A ray that does not cross the front in the pixel meets the block at its entry.
-/// `None` if the ray does not meet the block.
+/// Returns the parameter s where a ray meets the block of a pixel in which it is from s = `entry` to s = `exit`, and
+/// whether it crosses the block's front there. A ray that does not cross the front in the pixel meets the block at its
+/// entry. `None` if the ray does not meet the block.
 pub(super) fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
-    let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
-    if first.max(last) < block.back || first.min(last) > block.front {
+    let (entry_depth, exit_depth) = (segment.depth_at(entry), segment.depth_at(exit));
+    if entry_depth.max(exit_depth) < block.back || entry_depth.min(exit_depth) > block.front {
         return None;
     }
-    let crosses_front = first.min(last) <= block.front && first.max(last) >= block.front;
+    let crosses_front = entry_depth.min(exit_depth) <= block.front && entry_depth.max(exit_depth) >= block.front;
     if crosses_front && segment.delta.z != 0.0 {
         return Some((((block.front - segment.start.z) / segment.delta.z).clamp(entry, exit), true));
     }

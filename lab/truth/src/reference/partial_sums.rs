@@ -56,9 +56,9 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
     }
 
     /// Returns the number of the sample before which the caller must stop adding and call [`Self::close`]: the end of
-    /// the current leaf, or `last` if that comes first. `None` once all samples before `last` are added.
-    pub fn next_stop(&self, last: u32) -> Option<u32> {
-        (self.end < last).then(|| (self.end / LEAF * LEAF).saturating_add(LEAF).min(last))
+    /// the current leaf, or `end` if that comes first. `None` once all samples before `end` are added.
+    pub fn next_stop(&self, end: u32) -> Option<u32> {
+        (self.end < end).then(|| (self.end / LEAF * LEAF).saturating_add(LEAF).min(end))
     }
 
     /// Returns the sums of the current leaf, one for each pixel. The caller adds the samples up to [`Self::next_stop`]
@@ -109,23 +109,26 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         true
     }
 
-    /// Returns the results of a function of each sum, in the same parts.
-    pub fn map<T>(&self, value: impl Fn(&S) -> T) -> PartialSums<T> {
-        let map = |p: &Part<S>| Part { first: p.first, samples: p.samples, sums: p.sums.iter().map(&value).collect() };
+    /// Applies a function to each sum, and returns the results in the same parts.
+    pub fn map<T>(&self, function: impl Fn(&S) -> T) -> PartialSums<T> {
+        let map_part = |part: &Part<S>| {
+            let sums = part.sums.iter().map(&function).collect();
+            Part { first: part.first, samples: part.samples, sums }
+        };
         PartialSums {
             first: self.first,
             end: self.end,
             pixels: self.pixels,
-            parts: self.parts.iter().map(map).collect(),
+            parts: self.parts.iter().map(map_part).collect(),
         }
     }
 
     /// Returns the sum of a pixel over all samples; the parts are added in order.
     pub fn total(&self, pixel: usize) -> S {
-        let mut parts = self.parts.iter().map(|part| part.sums[pixel]);
-        let first = parts.next().unwrap_or_default();
-        parts.fold(first, |mut sum, part| {
-            sum += part;
+        let mut part_sums = self.parts.iter().map(|part| part.sums[pixel]);
+        let first_sum = part_sums.next().unwrap_or_default();
+        part_sums.fold(first_sum, |mut sum, next_sum| {
+            sum += next_sum;
             sum
         })
     }
@@ -175,17 +178,17 @@ mod tests {
     use ssct_ground::math::random::Stream;
 
     /// Returns the sums over random samples from `first` to before `end`, whose numbers differ so much in size that
-    /// their sum depends on its grouping. `at_once` samples are added at a time.
-    fn summed(first: u32, end: u32, at_once: u32) -> PartialSums<f64> {
+    /// their sum depends on its grouping. `batch` samples are added at a time.
+    fn summed(first: u32, end: u32, batch: u32) -> PartialSums<f64> {
         let mut sums = PartialSums::new(first, 3);
         while sums.end() < end {
-            let last = (sums.end() + at_once).min(end);
-            while let Some(stop) = sums.next_stop(last) {
-                let from = sums.end();
+            let batch_end = (sums.end() + batch).min(end);
+            while let Some(stop) = sums.next_stop(batch_end) {
+                let leaf_start = sums.end();
                 for (pixel, sum) in sums.open().iter_mut().enumerate() {
                     let stream = Stream::new(5, pixel as u64);
-                    for n in from..stop {
-                        *sum += (40.0 * stream.uniform(u64::from(n))).exp();
+                    for sample in leaf_start..stop {
+                        *sum += (40.0 * stream.uniform(u64::from(sample))).exp();
                     }
                 }
                 sums.close(stop);
@@ -197,8 +200,8 @@ mod tests {
     #[test]
     fn a_few_samples_are_added_one_after_the_other() {
         let stream = Stream::new(5, 1);
-        let plain = (0..LEAF).fold(0.0, |sum, n| sum + (40.0 * stream.uniform(u64::from(n))).exp());
-        assert_eq!(summed(0, LEAF, 7).total(1), plain);
+        let sequential_sum = (0..LEAF).fold(0.0, |sum, sample| sum + (40.0 * stream.uniform(u64::from(sample))).exp());
+        assert_eq!(summed(0, LEAF, 7).total(1), sequential_sum);
         assert_eq!(PartialSums::<f64>::new(0, 2).total(1), 0.0);
     }
 
@@ -207,8 +210,8 @@ mod tests {
         assert_eq!(parts(0, 64 * 7 + 5), [(0, 256), (256, 128), (384, 64), (448, 5)]);
         assert_eq!(parts(192, 512), [(192, 64), (256, 256)]);
         assert_eq!(parts(64, 64), []);
-        let all = summed(0, 64 * 7 + 5, 1000);
-        let ranges: Vec<_> = all.parts.iter().map(|p| (p.first, p.samples)).collect();
+        let sums = summed(0, 64 * 7 + 5, 1000);
+        let ranges: Vec<_> = sums.parts.iter().map(|part| (part.first, part.samples)).collect();
         assert_eq!(ranges, parts(0, 64 * 7 + 5));
     }
 
@@ -218,15 +221,15 @@ mod tests {
         fn divided_sums_are_the_undivided_ones(
             leaves in proptest::collection::vec(0_u32..9, 1..6),
             rest in 0_u32..LEAF,
-            at_once in 1_u32..200,
+            batch in 1_u32..200,
         ) {
             let end = LEAF * leaves.iter().sum::<u32>() + rest;
             let whole = summed(0, end, u32::MAX / 2);
-            prop_assert_eq!(&summed(0, end, at_once), &whole);
+            prop_assert_eq!(&summed(0, end, batch), &whole);
             let (mut merged, mut start) = (PartialSums::new(0, 3), 0);
-            for (n, count) in leaves.iter().enumerate() {
-                let stop = if n + 1 == leaves.len() { end } else { start + LEAF * count };
-                let part = summed(start, stop, at_once);
+            for (index, leaf_count) in leaves.iter().enumerate() {
+                let stop = if index + 1 == leaves.len() { end } else { start + LEAF * leaf_count };
+                let part = summed(start, stop, batch);
                 let restored = PartialSums::from_file_order(start, stop, 3, part.in_file_order().copied());
                 prop_assert!(merged.append(restored.expect("as many as there are")));
                 start = stop;

@@ -65,24 +65,24 @@ impl<'a> Paths<'a> {
         let rays = PrimaryRays::new(camera, extent);
         let pixel = |index: usize| {
             let stream = Stream::new(self.seed, index as u64);
-            let path = |n: u32| {
-                // Random number k of path n.
-                let number = |k: u64| stream.uniform(NUMBERS_OF_A_PATH * u64::from(n) + k);
-                let (ray, _) = rays.ray_within(index, [number(0), number(1)]);
-                self.path(ray, &number)
+            let path = |path_index: u32| {
+                // Random number `k` of this path.
+                let random_number = |k: u64| stream.uniform(NUMBERS_OF_A_PATH * u64::from(path_index) + k);
+                let (ray, _) = rays.ray_within(index, [random_number(0), random_number(1)]);
+                self.path(ray, &random_number)
             };
             ((0..paths).map(path).sum::<DVec3>() / f64::from(paths.max(1))).as_vec3()
         };
         (0..extent[0] as usize * extent[1] as usize).into_par_iter().map(pixel).collect()
     }
 
-    /// Returns the radiance along a ray from the camera, by one path. `number(k)` is random number k of the path.
-    fn path(&self, mut ray: WorldRay, number: &impl Fn(u64) -> f64) -> DVec3 {
-        // The sum of the light, and the share of the light at the current surface that reaches the camera.
-        let (mut light, mut share) = (DVec3::ZERO, DVec3::ONE);
+    /// Returns the radiance along a ray from the camera, by one path. `random_number(k)` is number k of the path.
+    fn path(&self, mut ray: WorldRay, random_number: &impl Fn(u64) -> f64) -> DVec3 {
+        // The sum of the light, and the throughput: the share of light at the current surface that reaches the camera.
+        let (mut light, mut throughput) = (DVec3::ZERO, DVec3::ONE);
         for bounce in 0..=u64::from(self.bounces) {
             // Index of the first random number of this surface.
-            let first = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
+            let first_number = FIRST_NUMBERS + NUMBERS_OF_A_SURFACE * bounce;
             // A ray that leaves the scene brings no light, since the area lights are the only light.
             let Some(hit) = self.world.closest(&ray) else { return light };
             let point = self.world.point(&ray, &hit);
@@ -91,9 +91,10 @@ impl<'a> Paths<'a> {
                 // surface, where a point of the lights is chosen.
                 return if bounce == 0 { point.albedo } else { light };
             }
-            share *= point.albedo;
-            light += share * self.light_from_a_panel(&point, [0, 1, 2].map(|k| number(first + k)));
-            let direction = lobe_direction(point.normal, COSINE_EXPONENT, [3, 4].map(|k| number(first + k)));
+            throughput *= point.albedo;
+            light += throughput * self.light_from_a_panel(&point, [0, 1, 2].map(|k| random_number(first_number + k)));
+            let direction =
+                lobe_direction(point.normal, COSINE_EXPONENT, [3, 4].map(|k| random_number(first_number + k)));
             ray = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         }
         light
@@ -101,10 +102,10 @@ impl<'a> Paths<'a> {
 
     /// Returns the radiance of a diffuse surface, divided by its albedo, that comes from one random point of the
     /// lights. The three random numbers (0 to 1) choose the panel and the place on it.
-    fn light_from_a_panel(&self, point: &SurfacePoint, [choice, u, v]: [f64; 3]) -> DVec3 {
+    fn light_from_a_panel(&self, point: &SurfacePoint, [panel_choice, u, v]: [f64; 3]) -> DVec3 {
         let total_area: f64 = self.panels.iter().map(|panel| panel.area).sum();
         // A panel is chosen with a probability in proportion to its area.
-        let mut area_left = choice * total_area;
+        let mut area_left = panel_choice * total_area;
         let chosen = self.panels.iter().find(|panel| {
             area_left -= panel.area;
             area_left < 0.0
@@ -120,8 +121,8 @@ impl<'a> Paths<'a> {
             return DVec3::ZERO;
         }
         let t_max = length * (1.0 - UNTRACED_AT_LIGHT);
-        let shadow = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max };
-        if self.world.closest(&shadow).is_some() {
+        let shadow_ray = WorldRay { origin: point.position, direction, t_min: RAY_START_M, t_max };
+        if self.world.closest(&shadow_ray).is_some() {
             return DVec3::ZERO;
         }
         // A diffuse surface reflects albedo / π, and the point was chosen with the density 1 / `total_area`.
@@ -175,11 +176,11 @@ mod tests {
         };
         // Radiance of the floor below the lamp: albedo / π · radiance · area / distance².
         let expected = 0.5 / std::f32::consts::PI * 10.0 * 0.04 / 4.0;
-        let found = seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64);
-        assert!((found.x / expected - 1.0).abs() < 0.01 && (found.y / expected - 2.0).abs() < 0.02, "{found}");
-        assert_eq!(found.z, 0.0);
+        let radiance = seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64);
+        assert!((radiance.x / expected - 1.0).abs() < 0.01 && (radiance.y / expected - 2.0).abs() < 0.02, "{radiance}");
+        assert_eq!(radiance.z, 0.0);
         // A plane floor does not light itself.
-        assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 3, 64), found);
+        assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 3, 64), radiance);
         // A rectangle between lamp and floor casts a shadow.
         scene.meshes.push(rectangle(Vec3::new(-1.0, 1.5, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X, 0));
         assert_eq!(seen_below(&scene, Vec3::new(0.0, 1.0, 0.0), 0, 64), Vec3::ZERO);
@@ -189,19 +190,23 @@ mod tests {
     fn sphere() -> Mesh {
         let mut mesh = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y, 0);
         let (columns, rows) = (96_u32, 48_u32);
-        let vertex = |i: u32, j: u32| {
-            let (phi, theta) =
-                (std::f32::consts::TAU * i as f32 / columns as f32, std::f32::consts::PI * j as f32 / rows as f32);
+        let vertex = |column: u32, row: u32| {
+            let (phi, theta) = (
+                std::f32::consts::TAU * column as f32 / columns as f32,
+                std::f32::consts::PI * row as f32 / rows as f32,
+            );
             let position = Vec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
             Vertex { position: position.to_array(), normal: position.to_array(), ..mesh.vertices[0] }
         };
-        let vertices: Vec<_> =
-            (0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| vertex(i, j)).collect();
-        let cell = |(i, j): (u32, u32)| {
-            let (a, b) = (j * (columns + 1) + i, (j + 1) * (columns + 1) + i);
-            [a, a + 1, b, a + 1, b + 1, b]
+        let vertices: Vec<_> = (0..=rows)
+            .flat_map(|row| (0..=columns).map(move |column| (column, row)))
+            .map(|(column, row)| vertex(column, row))
+            .collect();
+        let cell = |(column, row): (u32, u32)| {
+            let (upper_left, lower_left) = (row * (columns + 1) + column, (row + 1) * (columns + 1) + column);
+            [upper_left, upper_left + 1, lower_left, upper_left + 1, lower_left + 1, lower_left]
         };
-        mesh.indices = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))).flat_map(cell).collect();
+        mesh.indices = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).flat_map(cell).collect();
         mesh.vertices = vertices;
         mesh
     }
@@ -214,15 +219,15 @@ mod tests {
             area_lights: vec![lamp(Vec3::new(0.0, 0.3, 0.0))],
             ..Scene::default()
         };
-        let seen = |bounces| seen_below(&scene, Vec3::new(0.5, 0.0, 0.2), bounces, 4096).x;
-        let direct = seen(0);
+        let red_after = |bounces| seen_below(&scene, Vec3::new(0.5, 0.0, 0.2), bounces, 4096).x;
+        let direct = red_after(0);
         // The lamp's flux is spread evenly over the sphere; each surface multiplies it by the albedo, and radiance is
         // flux over π.
-        let even = std::f32::consts::PI * 10.0 * 0.04 / (4.0 * std::f32::consts::PI) / std::f32::consts::PI;
+        let even_light = std::f32::consts::PI * 10.0 * 0.04 / (4.0 * std::f32::consts::PI) / std::f32::consts::PI;
         for bounces in [1, 2, 4] {
-            let expected: f32 = (1..=bounces).map(|n| even * 0.6_f32.powi(n + 1)).sum();
-            let found = seen(bounces as u32) - direct;
-            assert!((found / expected - 1.0).abs() < 0.05, "{bounces} bounces: {found} instead of {expected}");
+            let expected: f32 = (1..=bounces).map(|n| even_light * 0.6_f32.powi(n + 1)).sum();
+            let indirect = red_after(bounces as u32) - direct;
+            assert!((indirect / expected - 1.0).abs() < 0.05, "{bounces} bounces: {indirect} instead of {expected}");
         }
     }
 

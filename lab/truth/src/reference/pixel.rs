@@ -77,7 +77,7 @@ impl PixelInWorld {
     pub fn new(world: &World, gbuffer: &GBufferData, first_hits: &FirstHits, index: usize) -> Self {
         let names = Names { world, rays: PrimaryRays::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]) };
         let screen = ShownPlaces::new(gbuffer, first_hits);
-        let (end, met) = match first_hits.receivers.get(index).copied().flatten() {
+        let (end, end_triangle) = match first_hits.receivers.get(index).copied().flatten() {
             Some(receiver) => screen.end(world, &receiver),
             None => (WorldHit::NotReflecting, None),
         };
@@ -91,7 +91,12 @@ impl PixelInWorld {
             }),
             _ => None,
         };
-        Self { mesh: names.shown_at(index), end, end_mesh: met.map(|triangle| names.mesh_name(&triangle)), unseen }
+        Self {
+            mesh: names.shown_at(index),
+            end,
+            end_mesh: end_triangle.map(|triangle| names.mesh_name(&triangle)),
+            unseen,
+        }
     }
 }
 
@@ -135,8 +140,8 @@ pub fn references(
 ) -> (EstimatedColor, EstimatedColor) {
     let mut mask = vec![false; gbuffer.depth.len()];
     mask[index] = gbuffer.reflects(index);
-    let (screen, world) = references_in(world, gbuffer, &mask, first_hits, sampling);
-    (screen[index], world[index])
+    let (screen_colors, world_colors) = references_in(world, gbuffer, &mask, first_hits, sampling);
+    (screen_colors[index], world_colors[index])
 }
 
 /// Returns the reflections of all pixels by the screen reference and by the world reference, in this order; black in
@@ -158,9 +163,9 @@ fn references_in(
     first_hits: &FirstHits,
     PixelSampling { rays, bounces, oracle }: PixelSampling,
 ) -> (Vec<EstimatedColor>, Vec<EstimatedColor>) {
-    let estimates = |colors: &[Vec3], errors: &[Vec3]| {
-        let pairs = colors.iter().zip(errors);
-        pairs.map(|(color, error)| EstimatedColor { color: *color, standard_error: *error }).collect()
+    let estimates = |colors: &[Vec3], standard_errors: &[Vec3]| {
+        let pairs = colors.iter().zip(standard_errors);
+        pairs.map(|(color, standard_error)| EstimatedColor { color: *color, standard_error: *standard_error }).collect()
     };
     let sampling = Sampling { samples: rays, seed: SCREEN_SEED, oracle, bounces };
     let screen = ScreenReference::render(gbuffer, mask, sampling);
@@ -185,12 +190,12 @@ pub(super) mod tests {
     }
 
     /// Returns a scene and its camera: a mirror floor 1 m below the eye, a wall at z = 4 m that does not reflect, and
-    /// `more` meshes.
-    pub fn room(more: Vec<Mesh>) -> (Scene, Camera) {
+    /// `more_meshes` meshes.
+    pub fn room(more_meshes: Vec<Mesh>) -> (Scene, Camera) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
         let scene = Scene {
-            meshes: [vec![named("floor", floor), named("wall", wall)], more].concat(),
+            meshes: [vec![named("floor", floor), named("wall", wall)], more_meshes].concat(),
             materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
             ..Scene::default()
         };
@@ -202,9 +207,9 @@ pub(super) mod tests {
         Lens { opening: FieldOfView::Angle(90_f32.to_radians()), ..Lens::default() }
     }
 
-    /// Returns the analysis of a pixel in an image of 40 × 40 pixels of the room with `more` meshes.
-    fn analysed(more: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
-        let (scene, camera) = room(more);
+    /// Returns the analysis of a pixel in an image of 40 × 40 pixels of the room with `more_meshes` meshes.
+    fn analysed(more_meshes: Vec<Mesh>, pixel: [u32; 2]) -> PixelInWorld {
+        let (scene, camera) = room(more_meshes);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
         let index = data.index(pixel[0], pixel[1]);
@@ -238,21 +243,21 @@ pub(super) mod tests {
         let camera = Camera::new(Vec3::ZERO, Vec3::new(0.0, -1.0, 1.0), lens(), 1.0);
         let world = World::new(&scene, &scene.materials);
         let data = testing::traced(&world, &camera, [40, 40]);
-        let all =
+        let analyses =
             (0..data.depth.len()).map(|i| PixelInWorld::new(&world, &data, &FirstHits::shown_at(&world, &data, i), i));
-        let mut beside = 0;
-        for found in all.filter(|found| found.end_mesh.as_deref() == Some("ceiling")) {
-            let WorldHit::Hit { pixel, visible, .. } = found.end else { panic!("{found:?}") };
+        let mut off_screen_count = 0;
+        for analysis in analyses.filter(|analysis| analysis.end_mesh.as_deref() == Some("ceiling")) {
+            let WorldHit::Hit { pixel, visible, .. } = analysis.end else { panic!("{analysis:?}") };
             let expected = match pixel {
                 None => Some(UnseenReason::BehindEye),
                 Some(DVec2 { y, .. }) if y < 0.0 => Some(UnseenReason::OffScreen),
                 Some(_) if visible => None,
                 Some(_) => continue,
             };
-            assert_eq!(found.unseen, expected);
-            beside += usize::from(expected == Some(UnseenReason::OffScreen));
+            assert_eq!(analysis.unseen, expected);
+            off_screen_count += usize::from(expected == Some(UnseenReason::OffScreen));
         }
-        assert!(beside > 0, "no ray ends above the picture");
+        assert!(off_screen_count > 0, "no ray ends above the picture");
     }
 
     #[test]

@@ -81,19 +81,19 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Returns the point at s: pixel x, pixel y and reversed depth.
+    /// Returns the point at the parameter s (0 to 1): pixel x, pixel y and reversed depth.
     pub fn point_at(&self, s: f64) -> DVec3 {
         self.start + s * self.delta
     }
 
-    /// Returns the reversed depth at s; monotonic in s, even under rounding.
+    /// Returns the reversed depth at the parameter s (0 to 1); monotonic in s, even under rounding.
     pub fn depth_at(&self, s: f64) -> f64 {
         self.start.z + s * self.delta.z
     }
 
-    /// Returns the s at which the ray crosses the line x = `boundary` (axis 0) or y = `boundary` (axis 1), in pixels;
-    /// infinite if the ray does not move along that axis. The result increases with the boundary's distance from the
-    /// start, even under rounding.
+    /// Returns the parameter s where the ray crosses the line x = `boundary` (axis 0) or y = `boundary` (axis 1), in
+    /// pixels; infinite if the ray does not move along that axis. The result increases with the boundary's distance
+    /// from the start, even under rounding.
     pub fn crossing(&self, axis: usize, boundary: i32) -> f64 {
         if self.delta[axis] == 0.0 {
             return f64::INFINITY;
@@ -172,33 +172,37 @@ impl<'a> RaySetup<'a> {
     /// for a direction of length zero and for rays that are not finite.
     fn visible_segment(&self, start: DVec3, point: DVec3, direction: DVec3) -> Option<Segment> {
         let direction = direction.try_normalize()?;
-        let from = self.view_to_clip * point.extend(1.0);
-        let along = self.view_to_clip * direction.extend(0.0);
-        let (t, end) = clip(from, along)?;
+        let clip_start = self.view_to_clip * point.extend(1.0);
+        let clip_direction = self.view_to_clip * direction.extend(0.0);
+        let (t, end) = clip(clip_start, clip_direction)?;
         // The difference of the two projected points, rearranged to avoid cancellation:
-        // (P + tD).xyz / (P + tD).w − P.xyz / P.w.
-        let scale = t / (from.w * (from.w + t * along.w));
-        let delta = (along.xyz() * from.w - from.xyz() * along.w) * scale;
-        let half = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height)) * 0.5;
-        let segment =
-            Segment { start, delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z), direction, end };
+        // (P + tD).xyz / (P + tD).w − P.xyz / P.w, with P = `clip_start` and D = `clip_direction`.
+        let scale = t / (clip_start.w * (clip_start.w + t * clip_direction.w));
+        let delta = (clip_direction.xyz() * clip_start.w - clip_start.xyz() * clip_direction.w) * scale;
+        let half_size = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height)) * 0.5;
+        let segment = Segment {
+            start,
+            delta: DVec3::new(half_size.x * delta.x, -half_size.y * delta.y, delta.z),
+            direction,
+            end,
+        };
         segment.delta.is_finite().then_some(segment)
     }
 }
 
-/// Returns the t at which the clip-space line P + tD leaves the frustum, and the side where it does. `None` if the line
-/// leaves by no side, because of NaN.
-fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
-    // Each plane is given by its value at P and its rate along D; values inside are ≥ 0. Depth is reversed.
+/// Returns the t at which the clip-space line `start` + t · `direction` leaves the frustum, and the side where it does.
+/// `None` if the line leaves by no side, because of NaN.
+fn clip(start: DVec4, direction: DVec4) -> Option<(f64, MissReason)> {
+    // Each plane has its value at the start and its rate along the direction. Values inside are ≥ 0; depth is reversed.
     let planes = [
-        (p.w + p.x, d.w + d.x, MissReason::LeftScreen),
-        (p.w - p.x, d.w - d.x, MissReason::LeftScreen),
-        (p.w + p.y, d.w + d.y, MissReason::LeftScreen),
-        (p.w - p.y, d.w - d.y, MissReason::LeftScreen),
-        (p.w - p.z, d.w - d.z, MissReason::Near),
-        (p.z, d.z, MissReason::Far),
+        (start.w + start.x, direction.w + direction.x, MissReason::LeftScreen),
+        (start.w - start.x, direction.w - direction.x, MissReason::LeftScreen),
+        (start.w + start.y, direction.w + direction.y, MissReason::LeftScreen),
+        (start.w - start.y, direction.w - direction.y, MissReason::LeftScreen),
+        (start.w - start.z, direction.w - direction.z, MissReason::Near),
+        (start.z, direction.z, MissReason::Far),
     ];
-    // P is inside by definition; a value below 0 (at the near plane) is a rounding error.
+    // The start is inside by definition; a value below 0 (at the near plane) is a rounding error.
     let planes_ahead = planes.into_iter().filter(|(_, rate, _)| *rate < 0.0);
     planes_ahead.map(|(value, rate, reason)| (value.max(0.0) / -rate, reason)).min_by(|(a, _), (b, _)| a.total_cmp(b))
 }
@@ -206,7 +210,7 @@ fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::testing::{flat, gbuffer};
+    use crate::reference::testing::{flat_wall, gbuffer_from};
     use glam::Vec3;
     use proptest::prelude::*;
 
@@ -216,8 +220,8 @@ mod tests {
             x in 0..16_u32, y in 0..9_u32, z in 0.11..900.0_f64, t in 0.0..1.0_f64,
             direction in prop::array::uniform3(-1.0..1.0_f64),
         ) {
-            let g = flat(16, 9, z);
-            let setup = RaySetup::new(&g);
+            let gbuffer = flat_wall(16, 9, z);
+            let setup = RaySetup::new(&gbuffer);
             let direction = DVec3::from(direction);
             prop_assume!(direction.length() > 1e-2);
             let segment = setup.segment(x, y, direction).expect("a ray");
@@ -226,31 +230,32 @@ mod tests {
             let end = segment.point_at(1.0) / size;
             prop_assert!(end.cmpge(DVec3::splat(-1e-9)).all() && end.cmple(DVec3::splat(1.0 + 1e-9)).all(), "{end}");
             // Distance from the nearer of the sides 0 and 1.
-            let off = |v: f64| v.abs().min((v - 1.0).abs());
-            let named = match segment.end {
-                MissReason::LeftScreen => off(end.x).min(off(end.y)),
+            let side_distance = |v: f64| v.abs().min((v - 1.0).abs());
+            let named_side_distance = match segment.end {
+                MissReason::LeftScreen => side_distance(end.x).min(side_distance(end.y)),
                 MissReason::Near => (end.z - 1.0).abs(),
                 _ => end.z.abs(),
             };
-            prop_assert!(named < 1e-9, "{segment:?}");
+            prop_assert!(named_side_distance < 1e-9, "{segment:?}");
             // A view-space point of the ray that is in the frustum must be on the segment.
             let position = setup.position(x, y).expect("no sky");
             let point = position + direction.normalize() * t * z;
-            let projected = g.project(point, &g.view_to_clip());
+            let projected = gbuffer.project(point, &gbuffer.view_to_clip());
             let is_inside = |p: &DVec3| (*p / size).cmpge(DVec3::ZERO).all() && (*p / size).cmple(DVec3::ONE).all();
-            if let Some(p) = projected.filter(is_inside) {
-                let (a, b) = ((p - segment.start) / size, segment.delta / size);
-                prop_assert!(a.cross(b).length() < 1e-9 && a.dot(b) >= -1e-9, "{p} is off {segment:?}");
+            if let Some(place) = projected.filter(is_inside) {
+                let (offset, delta) = ((place - segment.start) / size, segment.delta / size);
+                let is_on_segment = offset.cross(delta).length() < 1e-9 && offset.dot(delta) >= -1e-9;
+                prop_assert!(is_on_segment, "{place} is off {segment:?}");
             }
         }
     }
 
     #[test]
     fn rays_without_a_direction_are_none() {
-        let mut g = flat(3, 1, 2.0);
-        g.depth[1] = 0.0;
-        g.normal[2] = Vec3::ZERO;
-        let setup = RaySetup::new(&g);
+        let mut gbuffer = flat_wall(3, 1, 2.0);
+        gbuffer.depth[1] = 0.0;
+        gbuffer.normal[2] = Vec3::ZERO;
+        let setup = RaySetup::new(&gbuffer);
         assert!(setup.mirror(0, 0).is_some());
         assert!(setup.mirror(1, 0).is_none() && setup.segment(1, 0, DVec3::Z).is_none(), "sky");
         assert!(setup.mirror(2, 0).is_none() && setup.segment(2, 0, DVec3::Z).is_some(), "no normal");
@@ -259,8 +264,8 @@ mod tests {
 
     #[test]
     fn a_pixel_on_the_near_plane_can_send_its_ray_into_the_scene_but_not_out() {
-        let g = gbuffer(1, 1, |_, _| 1.0, |_, _| Vec3::NEG_Z);
-        let setup = RaySetup::new(&g);
+        let gbuffer = gbuffer_from(1, 1, |_, _| 1.0, |_, _| Vec3::NEG_Z);
+        let setup = RaySetup::new(&gbuffer);
         let into = setup.segment(0, 0, DVec3::Z).expect("a ray");
         assert!((into.point_at(1.0).z).abs() < 1e-12 && into.end == MissReason::Far);
         let out = setup.segment(0, 0, DVec3::NEG_Z).expect("a ray");

@@ -26,7 +26,7 @@ use std::convert::Infallible;
 /// Least number of rays for a pixel of a mirror.
 pub const MIRROR_SAMPLES_MIN: u32 = 16;
 
-/// Number of rows that are rendered between two questions whether to go on. Threads wait for each other after them.
+/// Number of rows that are rendered between two calls of `go_on`. Threads wait for each other after each such band.
 const BAND_ROWS: u32 = 16;
 
 /// Parameters of the sampling.
@@ -88,25 +88,25 @@ impl ScreenReference {
         let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
         let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
         let pixels = Pixels { hierarchy: &hierarchy, colors: SurfaceColors::new(gbuffer), view_to_world, sampling };
-        let row = |y| -> Vec<Estimate> {
+        let estimate_row = |y| -> Vec<Estimate> {
             let pixel = |x| mask[gbuffer.index(x, y)].then(|| pixels.estimate(x, y));
             (0..gbuffer.width).map(|x| pixel(x).unwrap_or_default()).collect()
         };
         let mut estimates = Vec::with_capacity(mask.len());
-        for first in (0..gbuffer.height).step_by(BAND_ROWS as usize) {
+        for first_row in (0..gbuffer.height).step_by(BAND_ROWS as usize) {
             go_on()?;
-            let band = first..gbuffer.height.min(first.saturating_add(BAND_ROWS));
-            let rows: Vec<Vec<Estimate>> = band.into_par_iter().map(row).collect();
+            let band = first_row..gbuffer.height.min(first_row.saturating_add(BAND_ROWS));
+            let rows: Vec<Vec<Estimate>> = band.into_par_iter().map(estimate_row).collect();
             estimates.extend(rows.into_iter().flatten());
         }
-        let squares: f64 = estimates.iter().map(|e| e.standard_error.length_squared()).sum();
-        let values = 3 * mask.iter().filter(|m| **m).count();
+        let squared_errors: f64 = estimates.iter().map(|e| e.standard_error.length_squared()).sum();
+        let value_count = 3 * mask.iter().filter(|masked| **masked).count();
         Ok(Self {
             width: gbuffer.width,
             height: gbuffer.height,
             color: estimates.iter().map(|e| e.mean.as_vec3()).collect(),
             standard_error: estimates.iter().map(|e| e.standard_error.as_vec3()).collect(),
-            overall_standard_error: (squares / values.max(1) as f64).sqrt(),
+            overall_standard_error: (squared_errors / value_count.max(1) as f64).sqrt(),
         })
     }
 }
@@ -136,36 +136,37 @@ impl Pixels<'_> {
         let roughness = f64::from(rays.gbuffer.roughness[index]);
         let exponent = phong::exponent(roughness);
         let stream = Stream::new(seed, index as u64);
-        let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
-        // Further bounces use numbers from 2⁴⁰ on; those of the first bounce are less than 2³⁴.
-        let color = |i: u64, direction| self.ray_color([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
+        let random_pair = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
+        // Further bounces use random numbers with indices from 2⁴⁰ on; the first bounce uses indices below 2³⁴.
+        let color =
+            |i: u64, direction| self.ray_color([x, y], direction, &|bounce| random_pair((bounce << 40) + 2 * i));
         let sample = |i| {
-            let [u, v] = numbers(4 * i + 2);
+            let [u, v] = random_pair(4 * i + 2);
             let mirror = rays.camera_ray(f64::from(x) + u, f64::from(y) + v).reflect(normal);
-            color(i, lobe_direction(mirror, exponent, numbers(4 * i)))
+            color(i, lobe_direction(mirror, exponent, random_pair(4 * i)))
         };
         let samples = if roughness <= 0.0 { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
         mean_and_error((0..u64::from(samples)).map(sample))
     }
 
     /// Returns the colour that a ray from the pixel `from` brings, including further bounces; black if the ray hits
-    /// nothing or runs below the surface. `numbers` returns two random numbers for each further bounce.
-    fn ray_color(&self, from: [u32; 2], direction: DVec3, numbers: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
+    /// nothing or runs below the surface. `random_pair` returns two random numbers for each further bounce.
+    fn ray_color(&self, from: [u32; 2], direction: DVec3, random_pair: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
         let rays = self.hierarchy.rays();
-        // `share` is the share of the light at the current hit that reaches the first pixel.
-        let (mut from, mut direction, mut share, mut sum) = (from, direction, 1.0, DVec3::ZERO);
+        // The throughput is the share of the light at the current hit that reaches the first pixel.
+        let (mut from, mut direction, mut throughput, mut radiance) = (from, direction, 1.0, DVec3::ZERO);
         for bounce in 1..=u64::from(self.sampling.bounces) {
             let Some(([i, j], color)) = self.hit(from, direction) else { break };
-            sum += share * color;
+            radiance += throughput * color;
             let index = rays.gbuffer.index(i, j);
             let normal = rays.normal(i, j).filter(|_| rays.gbuffer.reflects(index));
             let (Some(normal), true) = (normal, bounce < u64::from(self.sampling.bounces)) else { break };
-            share *= f64::from(rays.gbuffer.reflectivity[index]);
+            throughput *= f64::from(rays.gbuffer.reflectivity[index]);
             let exponent = phong::exponent(f64::from(rays.gbuffer.roughness[index]));
             let mirror = direction.normalize().reflect(normal);
-            (from, direction) = ([i, j], lobe_direction(mirror, exponent, numbers(bounce)));
+            (from, direction) = ([i, j], lobe_direction(mirror, exponent, random_pair(bounce)));
         }
-        sum
+        radiance
     }
 
     /// Returns the pixel in which a ray from pixel (x, y) ends, and the colour there. `None` if the screen shows
@@ -177,31 +178,32 @@ impl Pixels<'_> {
             Outcome::Hit { pixel, position } => (pixel, position),
             Outcome::Miss { reason: MissReason::Far, .. } => {
                 let end = rays.segment(x, y, direction)?.point_at(1.0);
-                let last = [(end.x, rays.gbuffer.width), (end.y, rays.gbuffer.height)]
+                let end_pixel = [(end.x, rays.gbuffer.width), (end.y, rays.gbuffer.height)]
                     .map(|(v, side)| (v.max(0.0) as u32).min(side - 1));
-                let is_sky = rays.gbuffer.depth[rays.gbuffer.index(last[0], last[1])] <= 0.0;
-                is_sky.then_some((last, end))?
+                let is_sky = rays.gbuffer.depth[rays.gbuffer.index(end_pixel[0], end_pixel[1])] <= 0.0;
+                is_sky.then_some((end_pixel, end))?
             }
             Outcome::Miss { .. } => return None,
         };
-        let towards = self.view_to_world.transform_vector3(direction);
+        let world_direction = self.view_to_world.transform_vector3(direction);
         let index = rays.gbuffer.index(pixel[0], pixel[1]);
         let ray = rays.position(x, y).map(|point| ReflectedRay { point, normal, direction });
-        Some((pixel, self.colors.shown(index, [position.x, position.y], towards, ray)))
+        Some((pixel, self.colors.shown(index, [position.x, position.y], world_direction, ray)))
     }
 }
 
 /// Returns the mean of the colours and its standard error, by Welford's running mean and variance (Welford 1962), which
 /// avoid cancellation. The error is infinite for fewer than two colours.
 fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
-    let (mut n, mut mean, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
+    let (mut count, mut mean, mut squared_deviations) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for color in colors {
-        n += 1.0;
-        let off = color - mean;
-        mean += off / n;
-        squares += off * (color - mean);
+        count += 1.0;
+        let deviation = color - mean;
+        mean += deviation / count;
+        squared_deviations += deviation * (color - mean);
     }
-    let standard_error = if n < 2.0 { DVec3::INFINITY } else { (squares / (n - 1.0) / n).map(f64::sqrt) };
+    let standard_error =
+        if count < 2.0 { DVec3::INFINITY } else { (squared_deviations / (count - 1.0) / count).map(f64::sqrt) };
     Estimate { mean, standard_error }
 }
 

@@ -64,9 +64,9 @@ impl<'a> World<'a> {
     pub fn point(&self, ray: &WorldRay, hit: &TriangleHit) -> SurfacePoint {
         let (material, vertices) = self.triangles.surface(hit);
         let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
-        let towards_front = (b - a).cross(c - a).normalize_or(-ray.direction);
+        let front_normal = (b - a).cross(c - a).normalize_or(-ray.direction);
         // 1 for a ray that comes from in front of the triangle, and −1, which flips the normals, for a ray from behind.
-        let side = if towards_front.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
+        let side = if front_normal.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
         let uv = interpolate_uv(&vertices, hit);
         let is_lit = material.surface == Surface::Lit;
         // The values of the maps, which are factors of the material's own values.
@@ -75,8 +75,8 @@ impl<'a> World<'a> {
         let roughness = material.roughness_map.map_or(1.0, |map| self.sample(map, uv).y);
         SurfacePoint {
             position: interpolate(&vertices, hit, |v| v.position),
-            geometric_normal: side * towards_front,
-            normal: side * self.normal(material, &vertices, hit, uv, towards_front),
+            geometric_normal: side * front_normal,
+            normal: side * self.normal(material, &vertices, hit, uv, front_normal),
             albedo: albedo.truncate() * material.albedo.as_dvec3(),
             emission: f64::from(material.emission) * albedo.w,
             reflectivity: if is_lit { f64::from(material.reflectivity) * reflectivity } else { 0.0 },
@@ -94,23 +94,31 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Returns the unit shading normal on the front of the triangle, computed as in `gbuffer.frag`. `flat` is the unit
-    /// normal of the triangle itself, which is used if the vertices have none.
-    fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &TriangleHit, uv: DVec2, flat: DVec3) -> DVec3 {
-        let geometric = interpolate(vertices, hit, |v| v.normal).normalize_or(flat);
+    /// Returns the unit shading normal on the front of the triangle, computed as in `gbuffer.frag`. The unit normal
+    /// of the triangle itself is used if the vertices have none.
+    fn normal(
+        &self,
+        material: &Material,
+        vertices: &[&Vertex; 3],
+        hit: &TriangleHit,
+        uv: DVec2,
+        triangle_normal: DVec3,
+    ) -> DVec3 {
+        let vertex_normal = interpolate(vertices, hit, |v| v.normal).normalize_or(triangle_normal);
         let deviation = f64::from(material.normal_deviation);
-        let Some(map) = material.normal_map.filter(|_| deviation > 0.0) else { return geometric };
-        let along = interpolate(vertices, hit, |v| [v.tangent[0], v.tangent[1], v.tangent[2]]);
-        let tangent = along - geometric * geometric.dot(along);
+        let Some(map) = material.normal_map.filter(|_| deviation > 0.0) else { return vertex_normal };
+        let raw_tangent = interpolate(vertices, hit, |v| [v.tangent[0], v.tangent[1], v.tangent[2]]);
+        let tangent = raw_tangent - vertex_normal * vertex_normal.dot(raw_tangent);
         if tangent.length() <= 1e-6 {
-            return geometric;
+            return vertex_normal;
         }
         let tangent = tangent.normalize();
-        let sign: f64 = vertices.iter().zip(hit.barycentrics).map(|(v, w)| w * f64::from(v.tangent[3])).sum();
-        let bitangent = sign * geometric.cross(tangent);
-        let mapped = self.sample(map, uv).truncate() * 2.0 - 1.0;
-        let bumped = (tangent * mapped.x + bitangent * mapped.y + geometric * mapped.z.max(1e-3)).normalize();
-        geometric.lerp(bumped, deviation).normalize_or(geometric)
+        let handedness: f64 = vertices.iter().zip(hit.barycentrics).map(|(v, w)| w * f64::from(v.tangent[3])).sum();
+        let bitangent = handedness * vertex_normal.cross(tangent);
+        let map_normal = self.sample(map, uv).truncate() * 2.0 - 1.0;
+        let bumped_normal =
+            (tangent * map_normal.x + bitangent * map_normal.y + vertex_normal * map_normal.z.max(1e-3)).normalize();
+        vertex_normal.lerp(bumped_normal, deviation).normalize_or(vertex_normal)
     }
 
     /// Returns the linear value of a texture at texture coordinates.
@@ -189,14 +197,14 @@ pub(super) mod tests {
     }
 
     /// Returns a scene of the unit square in the plane z = 1, with its front towards −z, and a wall behind it at z = 2.
-    /// The square has the material `front`.
-    fn two_walls(front: Material, textures: Vec<Texture>) -> Scene {
+    /// The square has the material `front_material`.
+    fn two_walls(front_material: Material, textures: Vec<Texture>) -> Scene {
         Scene {
             meshes: vec![
                 rectangle(Vec3::Z, Vec3::Y, Vec3::X, 0),
                 rectangle(Vec3::new(-5.0, -5.0, 2.0), 10.0 * Vec3::Y, 10.0 * Vec3::X, 1),
             ],
-            materials: vec![front, Material::default()],
+            materials: vec![front_material, Material::default()],
             textures,
             ..Scene::default()
         }
@@ -222,12 +230,12 @@ pub(super) mod tests {
     fn both_sides_are_seen_and_the_normal_faces_the_ray() {
         let scene = two_walls(Material::default(), vec![]);
         let world = World::new(&scene, &scene.materials);
-        for (from, towards) in [(0.0, 1.0), (1.5, -1.0)] {
-            let ray = ray([0.5, 0.5, from], [0.1, 0.0, towards]);
+        for (start_z, direction_z) in [(0.0, 1.0), (1.5, -1.0)] {
+            let ray = ray([0.5, 0.5, start_z], [0.1, 0.0, direction_z]);
             let hit = world.closest(&ray).expect("a wall");
             assert_eq!(world.triangle(&hit).mesh, 0);
             let point = world.point(&ray, &hit);
-            assert_eq!(point.normal, DVec3::new(0.0, 0.0, -towards));
+            assert_eq!(point.normal, DVec3::new(0.0, 0.0, -direction_z));
             assert_eq!(point.geometric_normal, point.normal);
             assert!((point.position - ray.point_at(hit.t)).length() < 1e-12);
         }
@@ -239,11 +247,11 @@ pub(super) mod tests {
         let srgb = texture(2, bytes.clone(), Encoding::Srgb);
         let scene = two_walls(Material::default(), vec![srgb, texture(2, bytes, Encoding::Linear)]);
         let world = World::new(&scene, &scene.materials);
-        let half = f64::from(srgb_to_linear(188.0 / 255.0));
+        let decoded_188 = f64::from(srgb_to_linear(188.0 / 255.0));
         // The texel centres are at ¼ and ¾; ½ is halfway between them, and 0 between the last and the first texel.
         for (u, share) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (0.375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.25, 1.0)] {
             let uv = DVec2::new(u, 0.7);
-            let expected = DVec4::new(share, share * half, 0.0, 1.0);
+            let expected = DVec4::new(share, share * decoded_188, 0.0, 1.0);
             assert!((world.sample(0, uv) - expected).length() < 1e-6, "{u}: {}", world.sample(0, uv));
             let raw = DVec4::new(share, share * 188.0 / 255.0, 0.0, 1.0);
             assert!((world.sample(1, uv) - raw).length() < 1e-12);
@@ -271,8 +279,8 @@ pub(super) mod tests {
         // The tangent is +y, and the front faces −z.
         assert_eq!(normal(0.0), DVec3::NEG_Z);
         assert!((normal(1.0) - DVec3::new(0.0, 0.6, -0.8)).length() < 0.01, "{}", normal(1.0));
-        let half = DVec3::new(0.0, 0.3, -0.9).normalize();
-        assert!((normal(0.5) - half).length() < 0.01);
+        let half_tilted = DVec3::new(0.0, 0.3, -0.9).normalize();
+        assert!((normal(0.5) - half_tilted).length() < 0.01);
     }
 
     #[test]
@@ -291,14 +299,14 @@ pub(super) mod tests {
             lit_color(&point, lights).x
         };
         let lit = |lights: &[Light]| lit_with(0.0, lights);
-        let point = |y: f32, energy: f32| Light::Point { position: Vec3::new(0.0, y, 0.0), energy };
+        let lamp_at = |y: f32, energy: f32| Light::Point { position: Vec3::new(0.0, y, 0.0), energy };
         assert_eq!(lit(&[]), 0.2);
         // d = 2, e = 4: 1 / (1 + ½ + 1) = 0.4.
-        assert!((lit(&[point(2.0, 4.0)]) - (0.2 + 0.8 * 0.4)).abs() < 1e-12);
-        assert_eq!(lit(&[point(-2.0, 4.0)]), 0.2, "from below");
+        assert!((lit(&[lamp_at(2.0, 4.0)]) - (0.2 + 0.8 * 0.4)).abs() < 1e-12);
+        assert_eq!(lit(&[lamp_at(-2.0, 4.0)]), 0.2, "from below");
         let sun = Light::Directional { direction: Vec3::new(1.0, -1.0, 0.0), energy: 0.5 };
         assert!((lit(&[sun]) - (0.2 + 0.8 * 0.5 * 0.5_f64.sqrt())).abs() < 1e-7);
-        assert_eq!(lit(&[sun, sun, sun, point(0.1, 100.0)]), 1.0);
+        assert_eq!(lit(&[sun, sun, sun, lamp_at(0.1, 100.0)]), 1.0);
         // Emitted light needs no lamp.
         assert!((lit_with(0.5, &[]) - 0.6).abs() < 1e-12 && lit_with(1.0, &[]) == 1.0);
     }

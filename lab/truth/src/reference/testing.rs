@@ -14,16 +14,16 @@ fn camera(aspect: f32) -> Camera {
 }
 
 /// Returns the reversed depth, with the default lens, of a view depth in metres; 0 (sky) if it is infinite.
-pub fn depth_of(z: f64) -> f32 {
-    if z.is_infinite() {
+pub fn depth_of(view_z_m: f64) -> f32 {
+    if view_z_m.is_infinite() {
         return 0.0;
     }
-    camera(1.0).view_to_clip_reversed().as_dmat4().project_point3(DVec3::new(0.0, 0.0, z)).z as f32
+    camera(1.0).view_to_clip_reversed().as_dmat4().project_point3(DVec3::new(0.0, 0.0, view_z_m)).z as f32
 }
 
 /// Returns a black G-buffer with the default lens, made from functions that return the reversed depth and the
 /// view-space normal of pixel (x, y). Every pixel is a mirror.
-pub fn gbuffer(
+pub fn gbuffer_from(
     width: u32,
     height: u32,
     depth: impl Fn(u32, u32) -> f32,
@@ -54,7 +54,7 @@ pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
         world.closest(&ray).map_or(Surface::Lit, |hit| world.point(&ray, &hit).surface)
     };
     let channel = |value: fn(&super::first_hits::Receiver) -> f64| {
-        first_hits.receivers.iter().map(|r| r.as_ref().map_or(0.0, value) as f32).collect()
+        first_hits.receivers.iter().map(|receiver| receiver.as_ref().map_or(0.0, value) as f32).collect()
     };
     GBufferData {
         width: extent[0],
@@ -64,18 +64,20 @@ pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
         normal: first_hits
             .receivers
             .iter()
-            .map(|r| r.map_or(Vec3::ZERO, |r| to_view.transform_vector3(r.normal).as_vec3()))
+            .map(|receiver| {
+                receiver.map_or(Vec3::ZERO, |receiver| to_view.transform_vector3(receiver.normal).as_vec3())
+            })
             .collect(),
-        reflectivity: channel(|r| r.reflectivity),
-        roughness: channel(|r| r.roughness),
+        reflectivity: channel(|receiver| receiver.reflectivity),
+        roughness: channel(|receiver| receiver.roughness),
         color: first_hits.lit.clone(),
         surface: (0..first_hits.lit.len()).map(surface).collect(),
     }
 }
 
-/// Returns the G-buffer of a wall `z` metres away that faces the camera.
-pub fn flat(width: u32, height: u32, z: f64) -> GBufferData {
-    gbuffer(width, height, |_, _| depth_of(z), |_, _| Vec3::NEG_Z)
+/// Returns the G-buffer of a wall `view_z_m` metres away that faces the camera.
+pub fn flat_wall(width: u32, height: u32, view_z_m: f64) -> GBufferData {
+    gbuffer_from(width, height, |_, _| depth_of(view_z_m), |_, _| Vec3::NEG_Z)
 }
 
 /// Returns the G-buffer of a floor 1 m below the eye that ends at a wall 5 m away. The wall has no upper end.
@@ -87,7 +89,7 @@ pub fn floor_and_wall(width: u32, height: u32) -> GBufferData {
     };
     // The camera ray of a row meets the floor, y = −1, at z = −1 / slope.
     let is_floor = move |y| slope(y) < -1.0 / 5.0;
-    gbuffer(
+    gbuffer_from(
         width,
         height,
         |_, y| depth_of(if is_floor(y) { -1.0 / slope(y) } else { 5.0 }),
@@ -119,19 +121,23 @@ pub const SIZES: [[u32; 2]; 20] = [
     [321, 239],
 ];
 
-/// A sequence of random numbers: a stream, and the index of its last number.
-pub struct Random(Stream, Cell<u64>);
+/// A sequence of random numbers.
+pub struct Random {
+    stream: Stream,
+    /// The index in the stream of the number that was returned last.
+    last_index: Cell<u64>,
+}
 
 impl Random {
     /// Begins the sequence of a seed and an index.
     pub fn new(seed: u64, index: u64) -> Self {
-        Self(Stream::new(seed, index), Cell::new(0))
+        Self { stream: Stream::new(seed, index), last_index: Cell::new(0) }
     }
 
     /// Returns the next random number in 0…1.
     pub fn unit(&self) -> f64 {
-        self.1.set(self.1.get() + 1);
-        self.0.uniform(self.1.get())
+        self.last_index.set(self.last_index.get() + 1);
+        self.stream.uniform(self.last_index.get())
     }
 
     /// Returns a random number between two numbers.
@@ -139,9 +145,9 @@ impl Random {
         from + (to - from) * self.unit()
     }
 
-    /// Returns a random whole number from 0 to n − 1.
-    pub fn below(&self, n: u32) -> u32 {
-        (self.unit() * f64::from(n)) as u32
+    /// Returns a random whole number from 0 to `bound` − 1.
+    pub fn below(&self, bound: u32) -> u32 {
+        (self.unit() * f64::from(bound)) as u32
     }
 
     /// Returns a random vector whose components lie in −1…1; its length is not 1.
@@ -155,28 +161,28 @@ impl Random {
     }
 }
 
-/// Returns random reversed depths of a kind (0 to [`KINDS`] − 1) for each pixel. Kind 4 is a plane in view space, which
-/// stays a plane in reversed depth.
-pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
+/// Returns random reversed depths of a kind (0 to [`DEPTH_KINDS`] − 1) for each pixel. Kind 4 is a plane in view space,
+/// which stays a plane in reversed depth.
+pub fn random_depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
     let (a, b) = (random.depth(), random.depth());
     let (near, far) = (depth_of(a.min(b)), depth_of(a.max(b)));
-    let (cell, edge) = (1 + random.below(5), random.below(width.max(height)));
+    let (cell_side, edge_pixel) = (1 + random.below(5), random.below(width.max(height)));
     let tilt = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)];
-    let (small, holes) = (random.range(0.0, 0.02) as f32, random.range(0.0, 1.0));
+    let (relief, sky_share) = (random.range(0.0, 0.02) as f32, random.range(0.0, 1.0));
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let depth = |(x, y): (u32, u32)| match kind {
         // Kinds 0 to 3: random depths, one depth, a chequerboard of two depths, and two depths with one edge.
         0 => depth_of(random.depth()),
         1 => near,
-        2 => [near, far][((x / cell + y / cell) % 2) as usize],
-        3 => [near, far][usize::from(if cell % 2 == 0 { x < edge } else { y < edge })],
+        2 => [near, far][((x / cell_side + y / cell_side) % 2) as usize],
+        3 => [near, far][usize::from(if cell_side % 2 == 0 { x < edge_pixel } else { y < edge_pixel })],
         4 => {
             let [u, v] = [f64::from(x) / f64::from(width) - 0.5, f64::from(y) / f64::from(height) - 0.5];
             (f64::from(near) * (1.0 + tilt[0] * u + tilt[1] * v)).clamp(1e-4, 1.0) as f32
         }
         // Kinds 5 to 7: a rough surface, random depths with sky between them, and few pixels before the sky.
-        5 => near * (1.0 - small * random.unit() as f32),
-        6 if random.unit() < holes => 0.0,
+        5 => near * (1.0 - relief * random.unit() as f32),
+        6 if random.unit() < sky_share => 0.0,
         6 => depth_of(random.depth()),
         7 if random.unit() < 0.02 => near,
         7 => 0.0,
@@ -186,40 +192,40 @@ pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32>
     pixels.map(depth).collect()
 }
 /// Number of kinds of depths.
-pub const KINDS: u32 = 9;
+pub const DEPTH_KINDS: u32 = 9;
 
-/// Returns a random view-space direction of a kind (0 to [`DIRECTIONS`] − 1), of any length, from a pixel at `from`.
-pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DVec3 {
-    let g = rays.gbuffer;
+/// Returns a random view-space direction of a kind (0 to [`DIRECTION_KINDS`] − 1), of any length, from `start`.
+pub fn direction_of_kind(kind: u32, random: &Random, rays: &RaySetup, start: DVec3) -> DVec3 {
+    let gbuffer = rays.gbuffer;
     let target = || {
-        let (x, y) = (random.below(g.width), random.below(g.height));
-        rays.position(x, y).unwrap_or(from * 0.5)
+        let (x, y) = (random.below(gbuffer.width), random.below(gbuffer.height));
+        rays.position(x, y).unwrap_or(start * 0.5)
     };
     match kind {
         0 => random.direction(),
         // Directions along the axes of view space.
         1 => [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * [1.0, -1.0][random.below(2) as usize],
         // Directions to the camera and away from it, exactly and approximately.
-        2 => from * [1.0, -1.0][random.below(2) as usize],
-        3 => (from.normalize() + 1e-7 * random.direction()) * [1.0, -1.0][random.below(2) as usize],
+        2 => start * [1.0, -1.0][random.below(2) as usize],
+        3 => (start.normalize() + 1e-7 * random.direction()) * [1.0, -1.0][random.below(2) as usize],
         // Directions to the centre of another pixel, exactly at its depth.
-        4 => target() - from,
+        4 => target() - start,
         // Directions to another pixel at the starting pixel's own z.
-        5 => (target() - from) * DVec3::new(1.0, 1.0, 0.0),
+        5 => (target() - start) * DVec3::new(1.0, 1.0, 0.0),
         // Directions almost along the screen's x axis.
         _ => DVec3::new(random.range(-1.0, 1.0), 1e-9 * random.range(-1.0, 1.0), 1e-3 * random.range(-1.0, 1.0)),
     }
 }
 /// Number of kinds of directions.
-pub const DIRECTIONS: u32 = 7;
+pub const DIRECTION_KINDS: u32 = 7;
 
-/// Returns the kind of depths of case number `case`, and its G-buffer, whose normals have random directions. The cases
-/// go through all sizes and kinds.
-pub fn awkward(case: u64, random: &Random) -> (u32, GBufferData) {
+/// Returns the kind of depths of case number `case`, and the case's G-buffer, whose normals have random directions. The
+/// cases go through all sizes and kinds.
+pub fn random_gbuffer(case: u64, random: &Random) -> (u32, GBufferData) {
     let size = SIZES[(case % SIZES.len() as u64) as usize];
-    let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;
-    let depth = depths(kind, random, size);
-    let normals: Vec<Vec3> = depth.iter().map(|_| random.direction().as_vec3()).collect();
+    let kind = (case / SIZES.len() as u64 % u64::from(DEPTH_KINDS)) as u32;
+    let depths = random_depths(kind, random, size);
+    let normals: Vec<Vec3> = depths.iter().map(|_| random.direction().as_vec3()).collect();
     let index = |x: u32, y: u32| (y * size[0] + x) as usize;
-    (kind, gbuffer(size[0], size[1], |x, y| depth[index(x, y)], |x, y| normals[index(x, y)]))
+    (kind, gbuffer_from(size[0], size[1], |x, y| depths[index(x, y)], |x, y| normals[index(x, y)]))
 }

@@ -24,7 +24,7 @@ pub struct TriangleHit {
 impl TriangleHit {
     const NO_HIT: Self = Self { t: NEVER as f32, id: NO_TRIANGLE, weight: [0.0; 2] };
 
-    /// Returns the number of the triangle without that bit; `None` if the ray meets nothing.
+    /// Returns the number of the triangle without the bit `ASKS_MATERIAL`; `None` if the ray meets nothing.
     pub fn triangle(&self) -> Option<u32> {
         (self.id != NO_TRIANGLE).then_some(self.id & !ASKS_MATERIAL)
     }
@@ -96,7 +96,7 @@ impl<'a> TriangleWalk<'a> {
     pub fn traverse_tree(&self, ray: &TreeRay) -> (TriangleHit, usize) {
         let mut best = TriangleHit::NO_HIT;
         let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_DEPTH as usize);
-        let mut highest = 0;
+        let mut most_groups = 0;
         // Components that are nearly 0 get a tiny value, so that the inverse is finite. This changes the test of no
         // box.
         let direction = Vec3::from_array(ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d }));
@@ -105,11 +105,15 @@ impl<'a> TriangleWalk<'a> {
         // For each axis along which the ray does not run back, a bit in each byte of the word. An exclusive or with it
         // turns the places of four children into the order in which the ray should look at them.
         let axis_bits = [0x0404_0404, 0x0202_0202, 0x0101_0101];
-        let octant = axis_bits.iter().zip(is_negative).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
+        let octant = axis_bits
+            .iter()
+            .zip(is_negative)
+            .filter(|(_, runs_back)| !runs_back)
+            .fold(0, |octant_bits, (bits, _)| octant_bits | bits);
         // The tree of the triangles that do not move has the first nodes. Without such triangles there is no such tree.
         let has_still_tree = self.moving.map_or(!self.nodes.is_empty(), |root| root > 0);
         // A group of nodes: the first child's number, and a mask. Its upper 8 bits are the children still to be looked
-        // at, and its lower 8 bits say which children are nodes.
+        // at, and its lower 8 bits say which children are nodes. The mask 0x8000_0000 stands for one root alone.
         let mut group = [0, if has_still_tree { 0x8000_0000 } else { 0 }];
         stack.extend(self.moving.map(|root| [root, 0x8000_0000]));
         loop {
@@ -121,7 +125,7 @@ impl<'a> TriangleWalk<'a> {
                 group[1] &= !(1 << bit);
                 if group[1] & 0xff00_0000 != 0 {
                     stack.push(group);
-                    highest = highest.max(stack.len());
+                    most_groups = most_groups.max(stack.len());
                 }
                 // The child's place in the node; the node's number follows from the count of child nodes at lower
                 // places.
@@ -138,7 +142,7 @@ impl<'a> TriangleWalk<'a> {
                 self.update_nearest_hit(ray, (leaves[0] + bit) as usize, &mut best);
             }
             if group[1] & 0xff00_0000 == 0 {
-                let Some(next) = stack.pop() else { return (best, highest) };
+                let Some(next) = stack.pop() else { return (best, most_groups) };
                 group = next;
             }
         }
@@ -203,21 +207,21 @@ impl<'a> TriangleWalk<'a> {
     fn update_nearest_hit(&self, ray: &TreeRay, slot: usize, best: &mut TriangleHit) {
         let words = &self.corners[3 * slot..3 * slot + 3];
         let [a, b, c] = [0, 1, 2].map(|k| corner(&words[k]) - ray.origin);
-        let d = ray.direction;
+        let direction = ray.direction;
         // The edge functions of the three edges, which have one sign if the ray passes between them.
-        let [u, v, w] = [dot(d, cross(c, b)), dot(d, cross(a, c)), dot(d, cross(b, a))];
+        let [u, v, w] = [dot(direction, cross(c, b)), dot(direction, cross(a, c)), dot(direction, cross(b, a))];
         let area = u + v + w;
         let inverse = 1.0 / area;
-        let reach = u * dot(d, a) + v * dot(d, b) + w * dot(d, c);
-        let t = reach * inverse;
+        let scaled_t = u * dot(direction, a) + v * dot(direction, b) + w * dot(direction, c);
+        let t = scaled_t * inverse;
         let (id, double_area) = (words[0][3], f32::from_bits(words[1][3]));
-        let scaled_distance = if area < 0.0 { -reach } else { reach };
-        let inside = (u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0)
+        let scaled_distance = if area < 0.0 { -scaled_t } else { scaled_t };
+        let is_hit = (u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0)
             && area != 0.0
             && scaled_distance > 12.0 * ROUNDING as f32 * self.extent * double_area
             && id != ray.own_triangle;
-        let nearer = t < best.t || (t == best.t && id < best.id);
-        if inside && nearer && t > 0.0 {
+        let is_nearer = t < best.t || (t == best.t && id < best.id);
+        if is_hit && is_nearer && t > 0.0 {
             *best = TriangleHit { t, id, weight: [v * inverse, w * inverse] };
         }
     }

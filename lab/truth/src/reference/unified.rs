@@ -186,7 +186,7 @@ pub struct Visit {
 }
 
 impl Ray {
-    /// Returns the continuous pixel coordinates and the reversed depth of the ray at s.
+    /// Returns the continuous pixel coordinates and the reversed depth at s, which counts pixels along the faster axis.
     pub fn point_at(&self, s: f32) -> Vec3 {
         self.start.extend(self.depth) + s * self.rate
     }
@@ -222,10 +222,10 @@ impl<'a> Traversal<'a> {
         let mut levels = vec![Level::from_fn(width, height, |x, y| {
             blocks::depth_block(gbuffer, &parameters, IVec2::new(x as i32, y as i32))
         })];
-        for n in 0..parameters.top_level as usize {
-            let below = &levels[n];
-            levels.push(Level::from_fn(below.width / 2, below.height / 2, |x, y| {
-                let block = |dx, dy| below.at_clamped(2 * x + dx, 2 * y + dy);
+        for level in 0..parameters.top_level as usize {
+            let finer = &levels[level];
+            levels.push(Level::from_fn(finer.width / 2, finer.height / 2, |x, y| {
+                let block = |dx, dy| finer.at_clamped(2 * x + dx, 2 * y + dy);
                 block(0, 0).union(block(1, 0)).union(block(0, 1).union(block(1, 1)))
             }));
         }
@@ -246,31 +246,31 @@ impl<'a> Traversal<'a> {
     /// Twin of `MirrorRay`: returns the mirror ray of a pixel, and whether the pixel is seen from its normal's side.
     /// `None` for sky or without a normal.
     pub fn mirror_ray(&self, x: u32, y: u32) -> Option<(Ray, bool)> {
-        let (p, index) = (&self.parameters, self.gbuffer.index(x, y));
+        let (parameters, index) = (&self.parameters, self.gbuffer.index(x, y));
         let (pixel, depth) = (IVec2::new(x as i32, y as i32), self.levels[0].at_clamped(x, y).front);
-        let n = self.gbuffer.normal[index];
-        if depth <= 0.0 || n == Vec3::ZERO {
+        let normal = self.gbuffer.normal[index];
+        if depth <= 0.0 || normal == Vec3::ZERO {
             return None;
         }
-        // The mirror direction is v + factor n. The line of sight v itself does not move in the image.
+        // The mirror direction is v + factor · normal. The line of sight v itself does not move in the image.
         let (view, ndc) = self.pixel_point(pixel);
-        let along_normal = view.x * n.x + view.y * n.y + n.z;
-        let squared = n.x * n.x + n.y * n.y + n.z * n.z;
+        let along_normal = view.x * normal.x + view.y * normal.y + normal.z;
+        let squared = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
         let factor = -2.0 * along_normal * (1.0 / squared);
-        let change = p.ndc_change(ndc, n) * factor;
-        let change_z = p.depth_change(depth, 1.0 + factor * n.z);
-        let direction = view.extend(1.0) + factor * n;
+        let change = parameters.ndc_change(ndc, normal) * factor;
+        let change_z = parameters.depth_change(depth, 1.0 + factor * normal.z);
+        let direction = view.extend(1.0) + factor * normal;
         let ray = self.make_ray(pixel.as_vec2() + 0.5, pixel, depth, direction, change.extend(change_z));
         Some((ray, along_normal < 0.0))
     }
 
     /// Twin of `RayAlong`: returns the ray of pixel (x, y) along a view-space direction of any length; `None` for sky.
     pub fn ray_along(&self, x: u32, y: u32, direction: Vec3) -> Option<Ray> {
-        let (p, pixel) = (&self.parameters, IVec2::new(x as i32, y as i32));
+        let (parameters, pixel) = (&self.parameters, IVec2::new(x as i32, y as i32));
         let depth = self.levels[0].at_clamped(x, y).front;
         let (_, ndc) = self.pixel_point(pixel);
-        let change = p.ndc_change(ndc, direction);
-        let change_z = p.depth_change(depth, direction.z);
+        let change = parameters.ndc_change(ndc, direction);
+        let change_z = parameters.depth_change(depth, direction.z);
         let start = pixel.as_vec2() + 0.5;
         (depth > 0.0).then(|| self.make_ray(start, pixel, depth, direction, change.extend(change_z)))
     }
@@ -300,9 +300,9 @@ impl<'a> Traversal<'a> {
         let depth_inverse = invert(depth_rate);
         let inverse = Vec2::new(invert(rate.x), invert(rate.y));
         let side = IVec2::new(if inverse.x > 0.0 { size.x } else { 0 }, if inverse.y > 0.0 { size.y } else { 0 });
-        let sides = (side.as_vec2() - start) * inverse;
-        let plane = ((if depth_inverse > 0.0 { 1.0 } else { 0.0 }) - depth) * depth_inverse;
-        let end = sides.x.min(sides.y).min(plane);
+        let side_s = (side.as_vec2() - start) * inverse;
+        let plane_s = ((if depth_inverse > 0.0 { 1.0 } else { 0.0 }) - depth) * depth_inverse;
+        let end = side_s.x.min(side_s.y).min(plane_s);
         Ray { start, pixel, depth, rate: rate.extend(depth_rate), inverse, end, direction }
     }
 
@@ -335,16 +335,16 @@ impl<'a> Traversal<'a> {
         let hit = Hit { code: HitCode::Miss, pixel, position, depth: 0.0, steps: 0, s: ray.end };
         let ahead = ray.ahead();
         // The first step leaves the starting pixel without looking at it.
-        let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
-        let entry = sides.x.min(sides.y);
+        let side_s = (ahead.as_vec2() - 0.5) * ray.inverse;
+        let entry = side_s.x.min(side_s.y);
         if entry.is_nan() || entry >= ray.end {
             return hit;
         }
         let at_side = (ray.start + entry * ray.rate.truncate()).as_ivec2();
-        let onward = ray.pixel + 2 * ahead - 1;
+        let next_pixel = ray.pixel + 2 * ahead - 1;
         let pixel = IVec2::new(
-            if sides.x == entry { onward.x } else { at_side.x },
-            if sides.y == entry { onward.y } else { at_side.y },
+            if side_s.x == entry { next_pixel.x } else { at_side.x },
+            if side_s.y == entry { next_pixel.y } else { at_side.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
         let leaves_surface = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
@@ -443,11 +443,11 @@ impl<'a> Traversal<'a> {
     /// reversed normal.
     fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
         let block_before = self.block(pixel_before(ray, pixel, ahead));
-        let (d, n) = (ray.direction, self.normal(pixel));
+        let (direction, normal) = (ray.direction, self.normal(pixel));
         let thickness = block.front - block.back;
         let joined_gap = constants::JOINED as f32 * (thickness + (block_before.front - block_before.back));
-        let (along_normal, depth_in_block) = (dot(d, n), block.front - entry_depth);
-        let depth_squared = (depth_in_block * depth_in_block) * (dot(n, n) * dot(d, d));
+        let (along_normal, depth_in_block) = (dot(direction, normal), block.front - entry_depth);
+        let depth_squared = (depth_in_block * depth_in_block) * (dot(normal, normal) * dot(direction, direction));
         let is_deep = along_normal >= 0.0 || depth_squared > (along_normal * along_normal) * (thickness * thickness);
         entry_depth < block_before.front || (block.front - block_before.front > joined_gap && is_deep)
     }
@@ -456,19 +456,19 @@ impl<'a> Traversal<'a> {
 /// Twin of `PixelBefore`: returns the pixel that a ray leaves as it enters `pixel`, across the boundary that it crosses
 /// last. `ahead` is [`Ray::ahead`].
 fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
-    let entries = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
+    let entry_s = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
     let back = 1 - 2 * ahead;
-    pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
+    pixel + IVec2::new(if entry_s.x >= entry_s.y { back.x } else { 0 }, if entry_s.y >= entry_s.x { back.y } else { 0 })
 }
 
-/// Twin of `PixelExit`: returns the s at which a ray ends or leaves the walk's current pixel.
+/// Twin of `PixelExit`: returns the ray's parameter s where it ends or leaves the walk's current pixel.
 fn pixel_exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
     let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
     crossings.x.min(crossings.y).min(ray.end).max(walk.entry)
 }
 
-/// Twin of `FrontCrossing`: returns the s at which the ray crosses the depth `front` inside the walk's current pixel,
-/// or the s of its entry if it does not.
+/// Twin of `FrontCrossing`: returns the parameter s where the ray crosses the depth `front` inside the walk's current
+/// pixel, or where it enters the pixel if it does not.
 fn front_crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
     let exit = pixel_exit(ray, walk, ahead);
     let exit_depth = ray.depth + exit * ray.rate.z;
@@ -487,13 +487,13 @@ const GREATEST: f32 = constants::GREATEST_HALF as f32;
 
 /// Twin of `Sound`: returns a value of a colour that can be summed and stored in 16 bits: at most the greatest half,
 /// and 0 for negative values and NaN.
-fn sound(v: f32) -> f32 {
-    if v > 0.0 { v.min(GREATEST) } else { 0.0 }
+fn sound(value: f32) -> f32 {
+    if value > 0.0 { value.min(GREATEST) } else { 0.0 }
 }
 
 /// Rounds a value to the nearest 16-bit float.
-fn half(v: f32) -> f32 {
-    half::f16::from_f32(v).to_f32()
+fn half(value: f32) -> f32 {
+    half::f16::from_f32(value).to_f32()
 }
 
 #[cfg(test)]

@@ -14,9 +14,9 @@ pub struct Range {
     pub far_m: f32,
 }
 
-/// Eq. 4.2 as printed: returns the linearised depth of a standard depth `z`. The equation is meant for depths in −1…1
-/// but receives 0…1 (an erratum that is kept). The result rises from 2n / (f + n) at 0 to 1 at 1, but it is not a
-/// distance.
+/// Returns the linearised depth of a standard depth `z` by the thesis's Eq. 4.2 as printed. The equation is meant for
+/// depths in −1…1 but receives 0…1 (an erratum that is kept). With near n and far f, the result rises from 2n / (f + n)
+/// at 0 to 1 at 1, but it is not a distance.
 pub fn linearize(z: f32, range: Range) -> f32 {
     let Range { near_m: near, far_m: far } = range;
     (2.0 * near) / (far + near - z * (far - near))
@@ -46,8 +46,8 @@ pub fn integrate(depth: &Level<MinMax>, visibility: &Level<f32>, range: Range) -
 pub fn chain(hi_z: &[Level<MinMax>], range: Range) -> Vec<Level<f32>> {
     let Some(finest) = hi_z.first() else { return Vec::new() };
     let mut chain = vec![Level::from_fn(finest.width, finest.height, |_, _| 1.0)];
-    for (depth, n) in hi_z.iter().zip(0..) {
-        let Some(mut level) = integrate(depth, &chain[n], range) else { break };
+    for (depth, finer_level) in hi_z.iter().zip(0..) {
+        let Some(mut level) = integrate(depth, &chain[finer_level], range) else { break };
         level.texels.iter_mut().for_each(|v| *v = quantize(*v));
         chain.push(level);
     }
@@ -84,8 +84,8 @@ mod tests {
         let hi_z = hi_z::chain(&Level::from_fn(64, 64, |x, y| 0.9 + 0.0015 * ((x * 31 + y * 17) % 61) as f32));
         let chain = chain(&hi_z, RANGE);
         for (fine, coarse) in chain.iter().zip(&chain[1..]) {
-            let best = |l: &Level<f32>| l.texels.iter().copied().fold(0.0, f32::max);
-            assert!(best(coarse) <= best(fine));
+            let most_visible = |level: &Level<f32>| level.texels.iter().copied().fold(0.0, f32::max);
+            assert!(most_visible(coarse) <= most_visible(fine));
         }
         assert!(chain[6].texels[0] < 1.0);
     }

@@ -142,8 +142,8 @@ impl<'a> WorldReference<'a> {
         // later bounce may meet a lobe, which needs many samples.
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
-            (Some(r), None) if r.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
-            (Some(r), _) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
+            (Some(receiver), None) if receiver.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
+            (Some(receiver), _) if receiver.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
             (Some(_), _) => Kind::Sampled { least: 0 },
         };
         let kinds = self.first_hits.receivers.iter().map(kind).collect();
@@ -153,9 +153,9 @@ impl<'a> WorldReference<'a> {
     /// Adds `samples` samples to every pixel with a lobe. A mirror takes its single ray, or its least number of rays,
     /// with the first samples.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
-        let last = state.samples().saturating_add(samples);
+        let end_sample = state.samples().saturating_add(samples);
         let mut no_values = vec![(); state.sums.pixels()];
-        while let Some(stop) = state.sums.next_stop(last) {
+        while let Some(stop) = state.sums.next_stop(end_sample) {
             self.add_and_visit(state, stop, &mut no_values, |(), _| ());
         }
     }
@@ -212,7 +212,11 @@ impl<'a> WorldReference<'a> {
     /// Returns the image of the samples that a state has so far.
     pub fn image(&self, state: &WorldState) -> WorldImage {
         let reflection: Vec<Vec3> = state.means().map(DVec3::as_vec3).collect();
-        let reflectivities = self.first_hits.receivers.iter().map(|r| r.map_or(0.0, |r| r.reflectivity as f32));
+        let reflectivities = self
+            .first_hits
+            .receivers
+            .iter()
+            .map(|receiver| receiver.map_or(0.0, |receiver| receiver.reflectivity as f32));
         let pixels = self.first_hits.lit.iter().zip(&reflection).zip(reflectivities);
         let composite = pixels.map(|((lit, reflection), reflectivity)| *lit + reflectivity * *reflection);
         WorldImage {
@@ -229,38 +233,40 @@ impl<'a> WorldReference<'a> {
     /// Takes sample `number` of the pixel `index`: traces one ray of the receiver's lobe, and its further bounces.
     /// `stream` has the random numbers of the pixel.
     fn sample(&self, index: usize, receiver: &Receiver, number: u64, stream: &Stream) -> WorldSample {
-        let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
+        let random_pair = |first_ray: u64| [stream.uniform(first_ray), stream.uniform(first_ray + 1)];
         // The receiver with the camera ray of this sample, and the two random numbers for the direction in the lobe.
-        let (receiver, lobe) = match &self.footprint {
-            None => (*receiver, numbers(2 * number)),
+        let (receiver, lobe_numbers) = match &self.footprint {
+            None => (*receiver, random_pair(2 * number)),
             Some(rays) => {
-                let (ray, _) = rays.ray_within(index, numbers(4 * number + 2));
-                (Receiver { incoming: ray.direction, ..*receiver }, numbers(4 * number))
+                let (ray, _) = rays.ray_within(index, random_pair(4 * number + 2));
+                (Receiver { incoming: ray.direction, ..*receiver }, random_pair(4 * number))
             }
         };
-        let Some((first, lit)) = self.trace_lobe_ray(&receiver, lobe) else {
-            let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
+        let Some((first_ray, lit)) = self.trace_lobe_ray(&receiver, lobe_numbers) else {
+            let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe_numbers);
             return WorldSample { radiance: DVec3::ZERO, bounced: DVec3::ZERO, direction, end: None };
         };
-        // `share` is the share of the light at the last surface that reaches the receiver.
-        let (mut bounced, mut share, mut last) = (DVec3::ZERO, 1.0, first);
+        // The throughput is the share of the light at the last surface that reaches the receiver.
+        let (mut bounced, mut throughput, mut last_ray) = (DVec3::ZERO, 1.0, first_ray);
         for bounce in 1..u64::from(self.bounces) {
-            let Some(receiver) = last.point.and_then(|point| Receiver::hit_by(&last.ray, &point)) else { break };
+            let Some(receiver) = last_ray.point.and_then(|point| Receiver::hit_by(&last_ray.ray, &point)) else {
+                break;
+            };
             // Further bounces use random numbers from 2⁴⁰ on, far from those of the first bounces of fewer than 2³²
             // samples.
             let first_number = (bounce << 40) + 2 * number;
-            share *= receiver.reflectivity;
-            let Some((next, lit)) = self.trace_lobe_ray(&receiver, numbers(first_number)) else { break };
-            bounced += share * lit;
-            last = next;
+            throughput *= receiver.reflectivity;
+            let Some((next_ray, lit)) = self.trace_lobe_ray(&receiver, random_pair(first_number)) else { break };
+            bounced += throughput * lit;
+            last_ray = next_ray;
         }
-        WorldSample { radiance: lit + bounced, bounced, direction: first.ray.direction, end: first.end }
+        WorldSample { radiance: lit + bounced, bounced, direction: first_ray.ray.direction, end: first_ray.end }
     }
 
     /// Traces the ray of a receiver's lobe that two random numbers choose. Returns the ray, and the light that arrives
     /// along it from a surface or from the environment. `None` if the ray leads below the surface and brings no light.
-    fn trace_lobe_ray(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(TracedRay, DVec3)> {
-        let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), numbers);
+    fn trace_lobe_ray(&self, receiver: &Receiver, random_pair: [f64; 2]) -> Option<(TracedRay, DVec3)> {
+        let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), random_pair);
         if !receiver.is_above(direction) {
             return None;
         }

@@ -88,25 +88,25 @@ impl<'a> ShownPlaces<'a> {
     /// metres, and whether the pixel there shows the place.
     fn place_on_screen(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
         let view = self.world_to_view.transform_point3(position);
-        let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|p| p.truncate());
+        let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|place| place.truncate());
         let reach = self.gbuffer.camera.reach_m(view.z);
-        let shows = |i: usize| (view.z - self.view_z_m[i]).abs() <= VISIBLE_WITHIN * reach + VISIBLE_WITHIN;
-        (pixel, view.z, pixel.and_then(|p| self.index(p)).is_some_and(shows))
+        let shows = |index: usize| (view.z - self.view_z_m[index]).abs() <= VISIBLE_WITHIN * reach + VISIBLE_WITHIN;
+        (pixel, view.z, pixel.and_then(|place| self.index(place)).is_some_and(shows))
     }
 
     /// Returns the linear colour that the screen shows at the end of a ray; `None` if the screen does not show that
-    /// place. `towards` is the ray's direction in the world, for surfaces that show the environment.
-    pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
+    /// place. `world_direction` is the ray's direction, for surfaces that show the environment.
+    pub(super) fn color(&self, end: DVec3, world_direction: DVec3) -> Option<DVec3> {
         let (pixel, _, visible) = self.place_on_screen(end);
-        let p = pixel.filter(|_| visible)?;
-        Some(self.colors.shown(self.index(p)?, p.to_array(), towards, None))
+        let place = pixel.filter(|_| visible)?;
+        Some(self.colors.shown(self.index(place)?, place.to_array(), world_direction, None))
     }
 
     /// Returns the index of the pixel at continuous pixel coordinates; `None` off screen.
-    pub(super) fn index(&self, p: DVec2) -> Option<usize> {
+    pub(super) fn index(&self, place: DVec2) -> Option<usize> {
         let size = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height));
-        let inside = p.cmpge(DVec2::ZERO).all() && p.cmplt(size).all();
-        inside.then(|| self.gbuffer.index(p.x as u32, p.y as u32))
+        let is_inside = place.cmpge(DVec2::ZERO).all() && place.cmplt(size).all();
+        is_inside.then(|| self.gbuffer.index(place.x as u32, place.y as u32))
     }
 }
 
@@ -125,9 +125,9 @@ mod tests {
         let (scene, camera) = room(Vec::new());
         let world = World::new(&scene, &scene.materials);
         let mut data = testing::traced(&world, &camera, [40, 40]);
-        let (to_clip, from_clip) = (data.view_to_clip(), data.view_to_clip().inverse());
+        let (to_clip, to_view) = (data.view_to_clip(), data.view_to_clip().inverse());
         for i in (0..data.depth.len()).filter(|i| !data.reflects(*i) && wall_depth_factor != 1.0).collect::<Vec<_>>() {
-            let z = from_clip.project_point3(DVec3::Z * f64::from(data.depth[i])).z * f64::from(wall_depth_factor);
+            let z = to_view.project_point3(DVec3::Z * f64::from(data.depth[i])).z * f64::from(wall_depth_factor);
             data.depth[i] = to_clip.project_point3(DVec3::Z * z).z as f32;
         }
         drop(world);
@@ -139,36 +139,36 @@ mod tests {
         let (scene, data) = gbuffer(1.0);
         let world = World::new(&scene, &scene.materials);
         let hits = world_hits(&world, &data, &FirstHits::shown(&world, &data));
-        let mut seen = 0;
+        let mut wall_hits = 0;
         for (index, hit) in hits.iter().enumerate() {
             let (x, y) = (index % 40, index / 40);
             // The image is square with a field of view of 90°, so that the ray of row y descends by (y + ½ − 20) / 20
             // with each metre of z.
-            let down = (y as f64 + 0.5 - 20.0) / 20.0;
-            if down * 4.0 <= 1.0 {
+            let descent = (y as f64 + 0.5 - 20.0) / 20.0;
+            if descent * 4.0 <= 1.0 {
                 assert_eq!(*hit, WorldHit::NotReflecting, "{x} {y}");
                 continue;
             }
-            // The camera ray hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall
-            // at height −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
+            // The camera ray hits the floor at z = 1 / descent. The mirrored ray rises equally steeply and hits the
+            // wall at height −1 + (4 − z) · descent = 4 descent − 2, which is in row 20 − 20 (4 descent − 2) / 4.
             let WorldHit::Hit { position, pixel, view_z_m, length_m, visible } = *hit else {
                 panic!("{x} {y}: {hit:?}")
             };
             let pixel = pixel.expect("in front");
             assert!((position.z - 4.0).abs() < 1e-4 && (view_z_m - 4.0).abs() < 1e-4);
-            // The mirrored ray covers 4 − z in z from z = 1 / down; its slope in y is `down`, and its slope in x is the
-            // camera ray's.
-            let aside = (x as f64 + 0.5 - 20.0) / 20.0;
-            let expected = (4.0 - 1.0 / down) * (1.0 + down * down + aside * aside).sqrt();
+            // The mirrored ray covers 4 − z in z from z = 1 / descent. Its slope in y is `descent`, and its slope in x
+            // is the camera ray's.
+            let side_slope = (x as f64 + 0.5 - 20.0) / 20.0;
+            let expected = (4.0 - 1.0 / descent) * (1.0 + descent * descent + side_slope * side_slope).sqrt();
             assert!((length_m - expected).abs() < 1e-3, "{x} {y}: {length_m} {expected}");
-            assert!((pixel.y - (20.0 - 5.0 * (4.0 * down - 2.0))).abs() < 1e-3, "{x} {y}: {pixel}");
+            assert!((pixel.y - (20.0 - 5.0 * (4.0 * descent - 2.0))).abs() < 1e-3, "{x} {y}: {pixel}");
             assert!((pixel.x - (x as f64 + 0.5)).abs() < 1e-3, "{x} {y}: {pixel}");
             // The whole wall is on screen, down to its foot (row 25), and nothing hides it.
             assert!(visible, "{x} {y}");
             assert_eq!(hit.visible_at(), Some(pixel));
-            seen += 1;
+            wall_hits += 1;
         }
-        assert_eq!(seen, 15 * 40);
+        assert_eq!(wall_hits, 15 * 40);
     }
 
     #[test]
@@ -182,24 +182,24 @@ mod tests {
         let data = testing::traced(&world, &camera, [40, 40]);
         let shown = FirstHits::shown(&world, &data);
         let from_depth = FirstHits::from_gbuffer(&data);
-        let mut seen = 0;
+        let mut reflecting_pixels = 0;
         for (i, hit) in world_hits(&world, &data, &shown).into_iter().enumerate() {
             let Some(receiver) = &shown.receivers[i] else { continue };
             // Pixels are 0.1 m wide; the pixels of a row meet the floor at the same z.
-            let up = 2.0 - (f64::from(i as u32 / 40) + 0.5) * 0.1;
-            let z = 1.0 + 2_f64.sqrt() * up;
-            let across = (f64::from(i as u32 % 40) + 0.5) * 0.1 - 2.0;
-            let place = DVec3::new(across, -1.0, z);
-            assert!(receiver.position.distance(place) < 1e-5, "{i}: {} is not {place}", receiver.position);
-            assert!(from_depth.receivers[i].expect("it reflects").position.distance(place) < 1e-5);
+            let image_y_m = 2.0 - (f64::from(i as u32 / 40) + 0.5) * 0.1;
+            let floor_z = 1.0 + 2_f64.sqrt() * image_y_m;
+            let image_x_m = (f64::from(i as u32 % 40) + 0.5) * 0.1 - 2.0;
+            let floor_point = DVec3::new(image_x_m, -1.0, floor_z);
+            assert!(receiver.position.distance(floor_point) < 1e-5, "{i}: {} is not {floor_point}", receiver.position);
+            assert!(from_depth.receivers[i].expect("it reflects").position.distance(floor_point) < 1e-5);
             let WorldHit::Hit { position, pixel, length_m, .. } = hit else { panic!("{i}: {hit:?}") };
-            assert!(position.distance(DVec3::new(across, 3.0 - z, 4.0)) < 1e-4, "{i}: {position}");
-            assert!((length_m - 2_f64.sqrt() * (4.0 - z)).abs() < 1e-4);
+            assert!(position.distance(DVec3::new(image_x_m, 3.0 - floor_z, 4.0)) < 1e-4, "{i}: {position}");
+            assert!((length_m - 2_f64.sqrt() * (4.0 - floor_z)).abs() < 1e-4);
             // The mirrored ray stays in the pixel's column.
             assert!((pixel.expect("ahead").x - (f64::from(i as u32 % 40) + 0.5)).abs() < 1e-3, "{pixel:?}");
-            seen += 1;
+            reflecting_pixels += 1;
         }
-        assert!(seen > 800, "{seen}");
+        assert!(reflecting_pixels > 800, "{reflecting_pixels}");
     }
 
     #[test]

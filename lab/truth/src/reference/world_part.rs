@@ -22,11 +22,11 @@ pub struct WorldPart {
 pub fn samples_of(index: u32, shards: u32, samples: u32) -> Range<u32> {
     let leaves = u64::from(samples.div_ceil(LEAF));
     // The number of the first sample after shard number `shard`.
-    let begin = |shard: u32| {
+    let shard_end = |shard: u32| {
         let leaf = leaves * u64::from(shard) / u64::from(shards.max(1));
         (leaf * u64::from(LEAF)).min(u64::from(samples)) as u32
     };
-    begin(index.saturating_sub(1))..begin(index)
+    shard_end(index.saturating_sub(1))..shard_end(index)
 }
 
 impl WorldPart {
@@ -72,32 +72,37 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     // If two parts begin with the same sample, the longer part comes first.
     parts.sort_by_key(|part| (part.samples().start, u32::MAX - part.samples().end));
     let mut merged: Option<WorldPart> = None;
-    // `end` is the number of the first sample after the parts so far, and `last` the last of these parts.
-    let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
-    let mut last: Option<WorldPart> = None;
+    // `covered_end` is the number of the first sample after the parts so far, and `previous_part` is their last one.
+    let (mut missing, mut covered_end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
+    let mut previous_part: Option<WorldPart> = None;
     for part in parts {
         let range = part.samples();
-        if let Some(last) = &last {
-            let wrong = |message: String| Err(Error::malformed(&part.path, None, message));
-            if last.stored.fingerprint != part.stored.fingerprint || last.stored.extent != part.stored.extent {
-                return wrong(format!("is of another reference than {}", last.path.display()));
+        if let Some(previous_part) = &previous_part {
+            let malformed = |message: String| Err(Error::malformed(&part.path, None, message));
+            if previous_part.stored.fingerprint != part.stored.fingerprint
+                || previous_part.stored.extent != part.stored.extent
+            {
+                return malformed(format!("is of another reference than {}", previous_part.path.display()));
             }
-            if last.samples() == range {
-                if last.stored.sums == part.stored.sums {
+            if previous_part.samples() == range {
+                if previous_part.stored.sums == part.stored.sums {
                     continue;
                 }
-                return wrong(format!("has other sums of the same samples than {}", last.path.display()));
+                return malformed(format!("has other sums of the same samples than {}", previous_part.path.display()));
             }
-            if range.start < end {
-                let [a, b] = [range, last.samples()].map(|r| samples_text(&r));
-                return wrong(format!("has {a}, and {} has {b}: they are of two divisions", last.path.display()));
+            if range.start < covered_end {
+                let [part_text, previous_text] = [range, previous_part.samples()].map(|numbers| samples_text(&numbers));
+                return malformed(format!(
+                    "has {part_text}, and {} has {previous_text}: they are of two divisions",
+                    previous_part.path.display()
+                ));
             }
         }
-        if range.start > end {
-            missing.push(end..range.start);
+        if range.start > covered_end {
+            missing.push(covered_end..range.start);
         }
-        end = range.end;
-        last = Some(part.clone());
+        covered_end = range.end;
+        previous_part = Some(part.clone());
         // Parts after a gap cannot be merged.
         if !missing.is_empty() {
             continue;
@@ -110,8 +115,8 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
             return Err(Error::malformed(&part.path, None, "does not begin with a whole group of samples"));
         }
     }
-    if end < samples {
-        missing.push(end..samples);
+    if covered_end < samples {
+        missing.push(covered_end..samples);
     }
     Ok(MergedParts { merged, missing })
 }
@@ -132,11 +137,14 @@ mod tests {
     #[test]
     fn every_sample_is_in_one_shard() {
         for (shards, samples) in [(1, 1024), (3, 1024), (8, 1000), (5, 130), (7, 64), (4, 1), (1000, 1_048_576)] {
-            let all: Vec<_> = (1..=shards).map(|index| samples_of(index, shards, samples)).collect();
-            assert!(all.windows(2).all(|w| w[0].end == w[1].start && w[0].start.is_multiple_of(LEAF)));
-            assert_eq!((all[0].start, all[all.len() - 1].end), (0, samples));
-            let most = all.iter().map(|r| r.len()).max().unwrap_or(0);
-            assert!(most <= (samples.div_ceil(LEAF).div_ceil(shards) * LEAF) as usize, "{shards} of {samples}: {most}");
+            let ranges: Vec<_> = (1..=shards).map(|index| samples_of(index, shards, samples)).collect();
+            assert!(ranges.windows(2).all(|pair| pair[0].end == pair[1].start && pair[0].start.is_multiple_of(LEAF)));
+            assert_eq!((ranges[0].start, ranges[ranges.len() - 1].end), (0, samples));
+            let longest = ranges.iter().map(|range| range.len()).max().unwrap_or(0);
+            assert!(
+                longest <= (samples.div_ceil(LEAF).div_ceil(shards) * LEAF) as usize,
+                "{shards} of {samples}: {longest}"
+            );
         }
     }
 
@@ -159,8 +167,8 @@ mod tests {
         let mut state = reference.start_at(samples.start);
         // The steps do not divide the number of samples or the size of a leaf.
         while state.samples() < samples.end {
-            let more = 37.min(samples.end - state.samples());
-            reference.add(&mut state, more);
+            let step = 37.min(samples.end - state.samples());
+            reference.add(&mut state, step);
         }
         state.save(&path).expect("a file");
         WorldPart::read(&path).expect("a part")
@@ -180,14 +188,13 @@ mod tests {
                 merged.expect("all of it").save(&path).expect("a file");
                 let merged = reference.load(&path).expect("a state");
                 assert_eq!(merged, whole, "{shards} parts");
-                let (a, b) = (reference.image(&merged), reference.image(&whole));
-                assert_eq!(a, b);
+                assert_eq!(reference.image(&merged), reference.image(&whole));
             }
             assert!(whole.overall_standard_error() > 0.0);
             // A part alone is an estimate, with a standard error of its own.
-            let (last, why) = reference.resume_at(&folder.join("1-128-300"), 128);
-            assert!(why.is_none() && last.sample_counts().max() == Some(172) && last.samples() == 300);
-            assert!(last.overall_standard_error() > whole.overall_standard_error());
+            let (last_part, refusal) = reference.resume_at(&folder.join("1-128-300"), 128);
+            assert!(refusal.is_none() && last_part.sample_counts().max() == Some(172) && last_part.samples() == 300);
+            assert!(last_part.overall_standard_error() > whole.overall_standard_error());
             assert!(reference.resume(&folder.join("1-128-300")).1.is_some(), "a part is not taken for all of it");
         });
     }
@@ -195,24 +202,24 @@ mod tests {
     #[test]
     fn what_is_missing_is_named_and_what_does_not_fit_is_refused() {
         with_references(|reference, other, folder| {
-            let part_of = |range| part(reference, folder, range);
-            let found = merge(vec![part_of(0..64), part_of(128..200)], 300).expect("with gaps");
-            assert_eq!(found.missing, [64..128, 200..300]);
-            assert_eq!(found.merged.expect("the first").samples(), 0..64);
-            let found = merge(vec![part_of(64..128)], 128).expect("with gaps");
-            assert!(found.merged.is_none());
-            assert_eq!(found.missing.first(), Some(&(0..64)));
-            let refused = |parts| merge(parts, 300).expect_err("refused").to_string();
-            assert!(refused(vec![part_of(0..128), part_of(64..128)]).contains("of two divisions"));
-            assert!(refused(vec![part_of(0..64), part(other, folder, 64..128)]).contains("another reference"));
-            let mut changed = part_of(0..64);
-            changed.stored = StoredState { sums: part_of(0..64).stored.sums, ..changed.stored };
-            assert!(merge(vec![part_of(0..64), changed.clone()], 64).expect("the same twice").missing.is_empty());
+            let part_with = |range| part(reference, folder, range);
+            let merged_parts = merge(vec![part_with(0..64), part_with(128..200)], 300).expect("with gaps");
+            assert_eq!(merged_parts.missing, [64..128, 200..300]);
+            assert_eq!(merged_parts.merged.expect("the first").samples(), 0..64);
+            let merged_parts = merge(vec![part_with(64..128)], 128).expect("with gaps");
+            assert!(merged_parts.merged.is_none());
+            assert_eq!(merged_parts.missing.first(), Some(&(0..64)));
+            let refusal = |parts| merge(parts, 300).expect_err("refused").to_string();
+            assert!(refusal(vec![part_with(0..128), part_with(64..128)]).contains("of two divisions"));
+            assert!(refusal(vec![part_with(0..64), part(other, folder, 64..128)]).contains("another reference"));
+            let mut changed = part_with(0..64);
+            changed.stored = StoredState { sums: part_with(0..64).stored.sums, ..changed.stored };
+            assert!(merge(vec![part_with(0..64), changed.clone()], 64).expect("the same twice").missing.is_empty());
             let mut sums = crate::reference::partial_sums::PartialSums::new(0, 12 * 8);
             sums.open();
             sums.close(64);
             changed.stored.sums = sums;
-            assert!(refused(vec![part_of(0..64), changed]).contains("other sums"));
+            assert!(refusal(vec![part_with(0..64), changed]).contains("other sums"));
         });
     }
 }

@@ -32,19 +32,19 @@ impl Hierarchy<'_> {
                 ends.push(None);
                 return ends;
             }
-            let error = rounding * exit;
-            if exit + error >= 1.0 {
+            let s_error = rounding * exit;
+            if exit + s_error >= 1.0 {
                 ends.push(None);
             }
             // The axes whose next boundary may be the first that the ray crosses; both do at a corner.
-            let is_next = crossings.map(|crossing| crossing - exit <= error);
+            let is_next = crossings.map(|crossing| crossing - exit <= s_error);
             if is_next == [true; 2] {
                 for axis in 0..2 {
                     let mut beside_corner = walks;
                     beside_corner[axis].pixel += beside_corner[axis].direction;
-                    let span = [exit - error, (exit + error).min(1.0)];
+                    let s_range = [exit - s_error, (exit + s_error).min(1.0)];
                     match self.cell(&beside_corner, 0) {
-                        Some(block) => ends.extend(meets(segment, &beside_corner, block, span).map(Some)),
+                        Some(block) => ends.extend(meets(segment, &beside_corner, block, s_range).map(Some)),
                         None => ends.push(None),
                     }
                 }

@@ -2,7 +2,7 @@
 //! with the oracle over many captures and rays.
 
 use super::*;
-use crate::reference::testing::{Random, gbuffer};
+use crate::reference::testing::{Random, gbuffer_from};
 use crate::reference::unified::{CaptureRayEnd, CaptureTraversal, LostRay, RayEndKind};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,12 +13,12 @@ const ULPS: f64 = 8.0;
 
 /// Returns a screen of one pixel of sky, at the world's origin. The tests follow lost rays of their own, and none of
 /// the screen.
-fn screen() -> GBufferData {
-    gbuffer(1, 1, |_, _| 0.0, |_, _| Vec3::ZERO)
+fn sky_screen() -> GBufferData {
+    gbuffer_from(1, 1, |_, _| 0.0, |_, _| Vec3::ZERO)
 }
 
 /// Returns a capture whose near plane is 5 cm away, times a scale.
-fn capture(position: Vec3, resolution: u32, scale: f32) -> Capture {
+fn capture_at(position: Vec3, resolution: u32, scale: f32) -> Capture {
     Capture { position, resolution, near_m: 0.05 * scale }
 }
 
@@ -38,20 +38,22 @@ impl Room {
         Self { half, spheres: spheres.collect() }
     }
 
-    /// Returns the t at which the ray from + t · d hits, and the normal there; `None` if it leaves through the hole.
-    fn hit(&self, from: DVec3, d: DVec3) -> Option<(f64, DVec3)> {
-        let wall_t = |axis: usize| (d[axis].signum() * self.half[axis] - from[axis]) / d[axis];
-        let walls =
-            (0..3).filter(|axis| d[*axis] != 0.0).map(|axis| (wall_t(axis), -DVec3::AXES[axis] * d[axis].signum()));
-        // The smaller root of the quadratic equation |from + t d − centre|² = radius².
+    /// Returns the t at which the ray `from` + t · `direction` hits, and the normal there; `None` if it leaves through
+    /// the hole.
+    fn hit(&self, from: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
+        let wall_t = |axis: usize| (direction[axis].signum() * self.half[axis] - from[axis]) / direction[axis];
+        let walls = (0..3)
+            .filter(|axis| direction[*axis] != 0.0)
+            .map(|axis| (wall_t(axis), -DVec3::AXES[axis] * direction[axis].signum()));
+        // The smaller root of the quadratic equation |from + t · direction − centre|² = radius².
         let sphere = |(centre, radius): &(DVec3, f64)| {
-            let (o, a) = (from - *centre, d.length_squared());
-            let (b, c) = (o.dot(d), o.length_squared() - radius * radius);
+            let (o, a) = (from - *centre, direction.length_squared());
+            let (b, c) = (o.dot(direction), o.length_squared() - radius * radius);
             let t = (-b - (b * b - a * c).sqrt()) / a;
-            (t > 0.0).then(|| (t, (o + t * d).normalize()))
+            (t > 0.0).then(|| (t, (o + t * direction).normalize()))
         };
         let (t, normal) = walls.chain(self.spheres.iter().filter_map(sphere)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let point = from + t * d;
+        let point = from + t * direction;
         // The hole is a diamond in the middle of the roof.
         let is_hole =
             normal.y < -0.5 && point.y > 0.99 * self.half.y && point.x.abs() + point.z.abs() < self.half.x / 2.0;
@@ -75,20 +77,20 @@ impl Room {
 #[test]
 fn an_empty_room_shows_its_walls_where_they_are() {
     let room = Room { half: DVec3::new(3.0, 2.0, 4.0), spheres: Vec::new() };
-    let capture = room.capture(&capture(Vec3::new(0.3, -0.2, 0.5), 256, 1.0));
-    let (screen, captures) = (screen(), [capture]);
+    let capture = room.capture(&capture_at(Vec3::new(0.3, -0.2, 0.5), 256, 1.0));
+    let (screen, captures) = (sky_screen(), [capture]);
     let images = ImageOracle::new(&screen, &captures);
     let bounds = Aabb { min: -room.half.as_vec3(), max: room.half.as_vec3() };
-    let within = images.clone().with_bounds(bounds);
+    let bounded = images.clone().with_bounds(bounds);
     let random = Random::new(3, 0);
-    let (mut walls, mut skies, mut outside) = (0, 0, 0);
+    let (mut wall_hits, mut sky_ends, mut sky_by_bounds) = (0, 0, 0);
     for _ in 0..4000 {
         let (start, direction) = (0.95 * room.half * random.direction(), random.direction().normalize());
         let end = images.follow(&ExactLostRay { start, direction });
         // After a ray has left through the hole, the roof may hide it from the capture. Then only bounds tell that it
         // ends in the sky.
-        match within.follow(&ExactLostRay { start, direction }) {
-            EndInImages::Sky if end == EndInImages::Unknown => outside += 1,
+        match bounded.follow(&ExactLostRay { start, direction }) {
+            EndInImages::Sky if end == EndInImages::Unknown => sky_by_bounds += 1,
             known => assert_eq!(known, end, "{start} {direction}"),
         }
         match (end, room.hit(start, direction)) {
@@ -96,36 +98,39 @@ fn an_empty_room_shows_its_walls_where_they_are() {
                 let truth = start + t * direction;
                 // A wall consists of steps of a texel, which a grazing ray meets earlier or later, by a texel divided
                 // by the slope.
-                let allowed = 2.0 * texel_m * (1.0 + 1.0 / normal.dot(direction).abs());
-                assert!(place.distance(truth) <= allowed, "{start} {direction}: {place}, {truth}");
-                walls += 1;
+                let allowed_m = 2.0 * texel_m * (1.0 + 1.0 / normal.dot(direction).abs());
+                assert!(place.distance(truth) <= allowed_m, "{start} {direction}: {place}, {truth}");
+                wall_hits += 1;
             }
-            (EndInImages::Sky | EndInImages::Unknown, None) => skies += 1,
+            (EndInImages::Sky | EndInImages::Unknown, None) => sky_ends += 1,
             // All other rays end near the border of the hole, where texels may decide otherwise.
             (_, truth) => {
                 let t = truth.map_or_else(|| (2.0 - start.y) / direction.y, |(t, _)| t);
                 let point = start + t * direction;
-                let off = (point.x.abs() + point.z.abs() - 1.5).abs();
-                assert!(off < 0.05 * (1.0 + 1.0 / direction.y.abs()), "{start} {direction}: {end:?}, {truth:?}");
+                let border_distance = (point.x.abs() + point.z.abs() - 1.5).abs();
+                assert!(
+                    border_distance < 0.05 * (1.0 + 1.0 / direction.y.abs()),
+                    "{start} {direction}: {end:?}, {truth:?}"
+                );
             }
         }
     }
-    assert!(walls > 3000 && skies > 50 && outside > 20, "{walls}, {skies}, {outside}");
+    assert!(wall_hits > 3000 && sky_ends > 50 && sky_by_bounds > 20, "{wall_hits}, {sky_ends}, {sky_by_bounds}");
 }
 
 #[test]
 fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     let room = Room { half: DVec3::new(3.0, 2.0, 4.0), spheres: vec![(DVec3::new(0.0, 0.0, 1.5), 0.6)] };
-    let near = room.capture(&capture(Vec3::ZERO, 128, 1.0));
-    let beside = room.capture(&capture(Vec3::new(2.5, 0.5, 3.5), 128, 1.0));
-    let screen = screen();
+    let first_capture = room.capture(&capture_at(Vec3::ZERO, 128, 1.0));
+    let second_capture = room.capture(&capture_at(Vec3::new(2.5, 0.5, 3.5), 128, 1.0));
+    let screen = sky_screen();
     // The ray passes the sphere and meets the wall behind it, at a place that the first capture does not see.
     let start = DVec3::new(1.5, 0.0, 0.5);
     let lost = ExactLostRay { start, direction: (DVec3::new(0.0, 0.3, 4.0) - start).normalize() };
-    let one = [near.clone()];
-    assert_eq!(ImageOracle::new(&screen, &one).follow(&lost), EndInImages::Unknown);
-    let two = [near, beside];
-    let EndInImages::Capture { index: 1, place, texel_m } = ImageOracle::new(&screen, &two).follow(&lost) else {
+    let first_alone = [first_capture.clone()];
+    assert_eq!(ImageOracle::new(&screen, &first_alone).follow(&lost), EndInImages::Unknown);
+    let both = [first_capture, second_capture];
+    let EndInImages::Capture { index: 1, place, texel_m } = ImageOracle::new(&screen, &both).follow(&lost) else {
         panic!("no hit")
     };
     assert!(place.distance(DVec3::new(0.0, 0.3, 4.0)) < 2.0 * texel_m, "{place}");
@@ -179,26 +184,27 @@ fn agrees(twin: &CaptureRayEnd, oracle: EndInImages) -> bool {
     }
 }
 
-/// Returns start and direction of a random ray of a kind (0 to 7) in the room.
+/// Returns start and direction of a random ray of a kind (0 to 7) in the room. The direction has any length.
 fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DVec3, DVec3) {
-    let place = captures[random.below(captures.len() as u32) as usize].place.as_dvec3();
+    let capture_place = captures[random.below(captures.len() as u32) as usize].place.as_dvec3();
     let start = room.half * random.direction() * 0.95;
     let sign = [1.0, -1.0][random.below(2) as usize];
-    let corner = DVec3::new(sign, 1.0, [1.0, -1.0][random.below(2) as usize]);
-    let size = room.half.y;
+    let corner_signs = DVec3::new(sign, 1.0, [1.0, -1.0][random.below(2) as usize]);
+    let half_height_m = room.half.y;
     match kind {
         0 | 1 => (start, random.direction()),
         // Rays to a capture's place or away from it, and rays that begin at it.
-        2 => (start, sign * (place - start)),
-        3 => (place, random.direction()),
+        2 => (start, sign * (capture_place - start)),
+        3 => (capture_place, random.direction()),
         // Rays along an axis, along a diagonal of a face, and through a corner of the cube from another place.
         4 => (start, [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * sign),
-        5 => (place + corner * size * 0.1, DVec3::new(corner.x, corner.y, 0.0)),
-        6 => (place + corner * size * random.range(0.1, 0.8), random.direction()),
+        5 => (capture_place + corner_signs * half_height_m * 0.1, DVec3::new(corner_signs.x, corner_signs.y, 0.0)),
+        6 => (capture_place + corner_signs * half_height_m * random.range(0.1, 0.8), random.direction()),
         // Rays in the plane between two faces.
-        _ => {
-            (place + DVec3::new(1.0, random.range(-1.0, 1.0), 1.0) * size * 0.3, DVec3::new(sign, random.unit(), sign))
-        }
+        _ => (
+            capture_place + DVec3::new(1.0, random.range(-1.0, 1.0), 1.0) * half_height_m * 0.3,
+            DVec3::new(sign, random.unit(), sign),
+        ),
     }
 }
 
@@ -210,12 +216,12 @@ const IN_BORDERS: std::ops::Range<u32> = 5..KINDS;
 
 /// Returns random images of a capture, with a random depth and normal in every texel, for cases that are harder than
 /// rooms.
-fn noise(random: &Random, capture: &Capture, scale: f64) -> CaptureData {
+fn noise_capture(random: &Random, capture: &Capture, scale: f64) -> CaptureData {
     let (near, far) = (scale * 0.05, scale * 6.0);
     CaptureData::from_texels(capture, |_| {
-        let z = near * (far / near).powf(random.unit());
-        let z = if random.unit() < 0.2 { f64::INFINITY } else { z };
-        (z, random.direction().as_vec3(), Vec3::ONE)
+        let view_z_m = near * (far / near).powf(random.unit());
+        let view_z_m = if random.unit() < 0.2 { f64::INFINITY } else { view_z_m };
+        (view_z_m, random.direction().as_vec3(), Vec3::ONE)
     })
 }
 
@@ -230,7 +236,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     let scale = [1.0, 1.0, 1e-3, 1e3][(case / 8 % 4) as usize];
     let is_noise = case / 32 % 4 == 3;
     let room = Room::new(&random, scale);
-    let count = 1 + random.below(4) as usize;
+    let capture_count = 1 + random.below(4) as usize;
     let place = |i: usize| match (case / 32 % 4, i) {
         // Some cases have captures inside a wall, on a surface, or at the eye.
         (1, 0) => room.half * DVec3::new(1.1, 0.0, 0.0),
@@ -238,16 +244,16 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
         (1, 2) => DVec3::ZERO,
         _ => room.half * random.direction() * 0.8,
     };
-    let captures: Vec<CaptureData> = (0..count)
+    let captures: Vec<CaptureData> = (0..capture_count)
         .map(|i| {
-            let capture = capture(place(i).as_vec3(), side, scale as f32);
-            if is_noise { noise(&random, &capture, scale) } else { room.capture(&capture) }
+            let capture = capture_at(place(i).as_vec3(), side, scale as f32);
+            if is_noise { noise_capture(&random, &capture, scale) } else { room.capture(&capture) }
         })
         .collect();
-    let screen = screen();
+    let screen = sky_screen();
     // A third of the cases know the bounds of the room.
-    let half = room.half.as_vec3();
-    let bounds = if case.is_multiple_of(3) { Aabb { min: -half, max: half } } else { Aabb::ALL };
+    let half_extent = room.half.as_vec3();
+    let bounds = if case.is_multiple_of(3) { Aabb { min: -half_extent, max: half_extent } } else { Aabb::ALL };
     let images = ImageOracle::new(&screen, &captures).with_bounds(bounds);
     let twin = CaptureTraversal::new(&screen.camera, &captures).with_bounds(bounds);
     let (mut counts, mut unexplained) = ([Count::default(); KINDS as usize], Vec::new());
@@ -269,17 +275,17 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
         let agrees_at_once = agrees(&found, truth);
         // Whether the oracle ends one of 64 rays, moved by rounding, where the twin does.
         let is_tie = || {
-            let off = ULPS * f64::from(f32::EPSILON) / 2.0;
-            let size = exact.start.length() + room.half.length();
+            let relative_shift = ULPS * f64::from(f32::EPSILON) / 2.0;
+            let magnitude_m = exact.start.length() + room.half.length();
             (0..64).any(|_| {
-                let start = exact.start + off * size * random.direction();
-                let direction = exact.direction + off * random.direction();
+                let start = exact.start + relative_shift * magnitude_m * random.direction();
+                let direction = exact.direction + relative_shift * random.direction();
                 agrees(&found, images.follow(&ExactLostRay { start, direction }))
             })
         };
         let is_tie = !agrees_at_once && is_tie();
-        let count = &mut counts[kind as usize];
-        *count = count.add(Count {
+        let kind_count = &mut counts[kind as usize];
+        *kind_count = kind_count.add(Count {
             rays: 1,
             hits: u64::from(matches!(truth, EndInImages::Capture { .. })),
             unknown: u64::from(truth == EndInImages::Unknown),
@@ -302,18 +308,24 @@ fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
     let cases: Vec<_> = (0..256_u64).into_par_iter().map(|case| compare(case, 1500)).collect();
     let count_of = |kind: u32| cases.iter().fold(Count::default(), |sum, (counts, _)| sum.add(counts[kind as usize]));
     (0..KINDS).for_each(|kind| println!("kind {kind}: {:?}", count_of(kind)));
-    let plain = count_of(0).add(count_of(1));
+    let random_rays = count_of(0).add(count_of(1));
     let unexplained: Vec<_> = cases.iter().flat_map(|(_, texts)| texts).map(String::as_str).collect();
-    let shown = unexplained[..unexplained.len().min(8)].join("\n\n");
+    let first_texts = unexplained[..unexplained.len().min(8)].join("\n\n");
     // A ray that is lost where it enters a face is lost on the border of two faces. Rounding then decides which of them
     // says whether the capture sees that point, wherever the ray began. Moving the ray does not find such ties.
-    assert!(plain.rays > 50_000 && (plain.ties + plain.wrong) * 10_000 <= plain.rays, "{plain:?}:\n{shown}");
+    assert!(
+        random_rays.rays > 50_000 && (random_rays.ties + random_rays.wrong) * 10_000 <= random_rays.rays,
+        "{random_rays:?}:\n{first_texts}"
+    );
     for kind in 0..KINDS {
         let count = count_of(kind);
-        let one_in = if IN_BORDERS.contains(&kind) { 100 } else { 10_000 };
-        assert!(count.rays > 10_000 && count.wrong * one_in <= count.rays, "kind {kind}: {count:?}:\n{shown}");
+        let rays_per_wrong = if IN_BORDERS.contains(&kind) { 100 } else { 10_000 };
+        assert!(
+            count.rays > 10_000 && count.wrong * rays_per_wrong <= count.rays,
+            "kind {kind}: {count:?}:\n{first_texts}"
+        );
     }
-    assert!(plain.hits > plain.rays / 4 && plain.unknown > plain.rays / 100, "{plain:?}");
+    assert!(random_rays.hits > random_rays.rays / 4 && random_rays.unknown > random_rays.rays / 100, "{random_rays:?}");
 }
 
 #[test]
@@ -321,9 +333,9 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
     // The ray runs along a diagonal inside the blocks of a wall. The normals all say that the ray leaves the wall, so
     // that the walk goes down to each pixel and passes it.
     for side in [16, 64, 128] {
-        let cube = capture(Vec3::ZERO, side, 1.0);
+        let cube = capture_at(Vec3::ZERO, side, 1.0);
         let wall = CaptureData::from_texels(&cube, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
-        let (screen, captures) = (screen(), [wall]);
+        let (screen, captures) = (sky_screen(), [wall]);
         let (images, twin) = (ImageOracle::new(&screen, &captures), CaptureTraversal::new(&screen.camera, &captures));
         let start = Vec3::new(-1.99, -1.98, 2.004);
         let direction = Vec3::new(1.0, 0.99, 0.0).normalize();
@@ -340,9 +352,10 @@ fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
 fn captures_that_see_nothing_leave_every_end_unknown() {
     // Every texel shows a surface just beyond the near plane, as inside a wall, or on the near plane.
     let random = Random::new(5, 0);
-    for z in [0.051, 0.05] {
-        let blind = CaptureData::from_texels(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));
-        let (screen, captures) = (screen(), [blind]);
+    for view_z_m in [0.051, 0.05] {
+        let blind =
+            CaptureData::from_texels(&capture_at(Vec3::ZERO, 8, 1.0), |direction| (view_z_m, -direction, Vec3::ONE));
+        let (screen, captures) = (sky_screen(), [blind]);
         let (images, twin) = (ImageOracle::new(&screen, &captures), CaptureTraversal::new(&screen.camera, &captures));
         for _ in 0..200 {
             let (start, direction) = (random.direction() + 0.5, random.direction().normalize());

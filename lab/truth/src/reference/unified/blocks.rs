@@ -10,8 +10,8 @@ use ssct_scenes::GBufferData;
 /// view depth.
 pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, pixel: IVec2) -> Block {
     let depth_at = |pixel: IVec2| {
-        let inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(parameters.size).all();
-        if inside { gbuffer.depth[gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { 0.0 }
+        let is_inside = pixel.cmpge(IVec2::ZERO).all() && pixel.cmplt(parameters.size).all();
+        if is_inside { gbuffer.depth[gbuffer.index(pixel.x as u32, pixel.y as u32)] } else { 0.0 }
     };
     let depth = depth_at(pixel);
     if depth <= 0.0 {
@@ -28,18 +28,18 @@ pub(super) fn depth_block(gbuffer: &GBufferData, parameters: &Parameters, pixel:
     };
     // The span along an axis, from the neighbours on both sides: the smaller difference. It is 0 without a neighbour,
     // and for a surface that stands far before both, since it is thinner than two pixels.
-    let depth_span = |a: f32, b: f32| {
-        let least = a.abs().min(b.abs());
-        if least < NEVER && a.min(b) <= thin_limit { least } else { 0.0 }
+    let depth_span = |first: f32, second: f32| {
+        let least = first.abs().min(second.abs());
+        if least < NEVER && first.min(second) <= thin_limit { least } else { 0.0 }
     };
-    let spans =
+    let span_sum =
         depth_span(depth_behind(-1, 0), depth_behind(1, 0)) + depth_span(depth_behind(0, -1), depth_behind(0, 1));
-    let share = constants::SHARE_OF_DEPTH as f32;
+    let depth_share = constants::SHARE_OF_DEPTH as f32;
     if is_linear {
-        let thickness = spans + share * (parameters.reach * parameters.depth_offset);
+        let thickness = span_sum + depth_share * (parameters.reach * parameters.depth_offset);
         return Block { front: depth, back: depth - thickness };
     }
-    let thickness = spans + share;
+    let thickness = span_sum + depth_share;
     let scale = 1.0 / (1.0 + thickness);
     Block { front: depth, back: (depth - parameters.depth_offset * thickness) * scale }
 }

@@ -116,18 +116,18 @@ impl<'a> CaptureTraversal<'a> {
     /// Makes the twin for the rays of a camera and the given captures, whose faces all have the same lens and size.
     /// There are no bounds until [`Self::with_bounds`] sets them.
     pub fn new(camera: &Camera, captures: &'a [CaptureData]) -> Self {
-        let faces = || captures.iter().flat_map(|c| &c.faces);
-        // In a perspective, points that are computed from depth are divided by near (1 + k).
-        let unit = |camera: &Camera| match camera.kind() {
+        let faces = || captures.iter().flat_map(|capture| &capture.faces);
+        // In a perspective, points that are computed from depth are divided by near (1 + k), where k is `depth_offset`.
+        let metres_per_unit = |camera: &Camera| match camera.kind() {
             ProjectionKind::Perspective => camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32,
             ProjectionKind::Orthographic => 1.0,
         };
         Self {
             faces: faces().map(Traversal::new).collect(),
-            places: captures.iter().map(|c| c.place - camera.eye()).collect(),
+            places: captures.iter().map(|capture| capture.place - camera.eye()).collect(),
             view_to_world: Mat3::from_mat4(camera.world_to_view.as_dmat4().inverse().as_mat4()),
-            view_unit: unit(camera),
-            face_unit: faces().next().map_or(0.0, |face| unit(&face.camera)),
+            view_unit: metres_per_unit(camera),
+            face_unit: faces().next().map_or(0.0, |face| metres_per_unit(&face.camera)),
             eye: camera.eye(),
             bounds: Aabb::ALL,
         }
@@ -152,17 +152,20 @@ impl<'a> CaptureTraversal<'a> {
 
     /// Twin of `PushIfLost`: returns the lost ray that begins where the screen lost `ray`, at the s of `hit`.
     fn lost_ray(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
-        let p = &screen.parameters;
+        let parameters = &screen.parameters;
         let depth = ray.depth + hit.s * ray.rate.z;
-        let start = p.view_point(ray.start + hit.s * ray.rate.truncate(), depth.max(0.0)) * self.view_unit;
-        let along = self.to_world(ray.direction);
-        LostRay { start: self.to_world(start), direction: along * (1.0 / dot(along, along).sqrt()) }
+        let start = parameters.view_point(ray.start + hit.s * ray.rate.truncate(), depth.max(0.0)) * self.view_unit;
+        let world_direction = self.to_world(ray.direction);
+        LostRay {
+            start: self.to_world(start),
+            direction: world_direction * (1.0 / dot(world_direction, world_direction).sqrt()),
+        }
     }
 
     /// Twin of `ToWorld`: rotates a vector from view axes to world axes.
     fn to_world(&self, v: Vec3) -> Vec3 {
-        let m = &self.view_to_world;
-        m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
+        let rotation = &self.view_to_world;
+        rotation.x_axis * v.x + rotation.y_axis * v.y + rotation.z_axis * v.z
     }
 
     /// Twin of `TraceCaptures`: follows a lost ray from capture to capture until it ends.
@@ -178,9 +181,10 @@ impl<'a> CaptureTraversal<'a> {
             }
             let Some(capture) = self.nearest_seeing_capture(point, excluded) else { break };
             let capture_place = self.places[capture];
-            let (how, traced) = self.trace_capture(capture, point - capture_place, ray.direction, &mut ray_end);
-            let end_point = traced + capture_place;
-            match how {
+            let (follow_end, end_offset) =
+                self.trace_capture(capture, point - capture_place, ray.direction, &mut ray_end);
+            let end_point = end_offset + capture_place;
+            match follow_end {
                 FollowEnd::Sky => {
                     ray_end.kind = RayEndKind::Sky;
                     break;
@@ -296,8 +300,8 @@ impl<'a> CaptureTraversal<'a> {
                     _ => walk.entry_depth < block.back - *border_thickness,
                 };
                 let s = if is_lost { walk.entry } else { front_crossing(&ray, &walk, ahead, block.front) };
-                let how = if is_lost { FollowEnd::Lost } else { FollowEnd::Hit };
-                break Some((how, self.face_point(image, &ray, s), Vec3::ZERO));
+                let follow_end = if is_lost { FollowEnd::Lost } else { FollowEnd::Hit };
+                break Some((follow_end, self.face_point(image, &ray, s), Vec3::ZERO));
             }
             walk.level = 0;
         };
@@ -306,23 +310,23 @@ impl<'a> CaptureTraversal<'a> {
         // A ray that met nothing ends at a side of the face, at the far plane or at the near plane.
         end.unwrap_or_else(|| {
             let far_corner = ray.ahead() * image.parameters.size;
-            let sides = (far_corner.as_vec2() - ray.start) * ray.inverse;
-            let leaves_by_side = ray.end == sides.x.min(sides.y);
+            let side_s = (far_corner.as_vec2() - ray.start) * ray.inverse;
+            let leaves_by_side = ray.end == side_s.x.min(side_s.y);
             let at_side = (ray.start + ray.end * ray.rate.truncate()).as_ivec2();
             let block = image.block(at_side.clamp(IVec2::ZERO, image.parameters.size - 1));
             *border_thickness = (block.front - block.back).max(0.0);
-            let how = match leaves_by_side {
+            let follow_end = match leaves_by_side {
                 true => FollowEnd::On,
                 false if ray.rate.z < 0.0 => FollowEnd::Sky,
                 false => FollowEnd::Lost,
             };
             // Image y runs down, and view-space y up.
-            let exit_side = if sides.x <= sides.y {
+            let exit_side = if side_s.x <= side_s.y {
                 Vec3::X * if ray.inverse.x > 0.0 { 1.0 } else { -1.0 }
             } else {
                 Vec3::Y * if ray.inverse.y > 0.0 { -1.0 } else { 1.0 }
             };
-            (how, self.face_point(image, &ray, ray.end), exit_side)
+            (follow_end, self.face_point(image, &ray, ray.end), exit_side)
         })
     }
 
@@ -339,11 +343,11 @@ impl<'a> CaptureTraversal<'a> {
         // A line crosses each of the six planes between faces at most once, so that it visits at most seven faces.
         for _ in 0..7 {
             let image = &self.faces[6 * capture + face];
-            let from = [place, direction].map(|v| to_face(v, face));
-            let (how, end, exit_side) = self.trace_face(image, from, &mut border_thickness, ray_end);
+            let face_ray = [place, direction].map(|v| to_face(v, face));
+            let (follow_end, end, exit_side) = self.trace_face(image, face_ray, &mut border_thickness, ray_end);
             place = from_face(end, face);
-            if how != FollowEnd::On {
-                return (how, place);
+            if follow_end != FollowEnd::On {
+                return (follow_end, place);
             }
             face = cube_face(from_face(exit_side, face));
         }
@@ -355,13 +359,13 @@ impl Traversal<'_> {
     /// Returns whether a ray that hit nothing left the view through the far plane (`MissCode`). If it did, it ends
     /// neither at a side of the screen nor behind its last pixel's block, and does not run towards the camera.
     fn ends_in_sky(&self, ray: &Ray) -> bool {
-        let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
+        let end_offset = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
         let depth = ray.depth + ray.end * ray.rate.z;
-        let block = self.block((ray.pixel + inside).clamp(IVec2::ZERO, self.parameters.size - 1));
-        let side = ray.ahead() * self.parameters.size;
-        let sides = ((side - ray.pixel).as_vec2() - 0.5) * ray.inverse;
+        let block = self.block((ray.pixel + end_offset).clamp(IVec2::ZERO, self.parameters.size - 1));
+        let far_corner = ray.ahead() * self.parameters.size;
+        let side_s = ((far_corner - ray.pixel).as_vec2() - 0.5) * ray.inverse;
         let is_behind = block.front >= block.back && depth < block.back;
-        !is_behind && ray.end != sides.x.min(sides.y) && ray.rate.z <= 0.0
+        !is_behind && ray.end != side_s.x.min(side_s.y) && ray.rate.z <= 0.0
     }
 }
 
@@ -389,16 +393,16 @@ fn from_face(v: Vec3, face: usize) -> Vec3 {
     }
 }
 
-/// Twin of `CubeFace`: returns the face (0 to 5) in which a direction lies.
-fn cube_face(v: Vec3) -> usize {
-    let a = v.abs();
-    let face_by_sign = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
-    if a.x >= a.y && a.x >= a.z {
-        face_by_sign(v.x, 0)
-    } else if a.y >= a.z {
-        face_by_sign(v.y, 2)
+/// Twin of `CubeFace`: returns the face (0 to 5, for +x −x +y −y +z −z) in which a direction lies.
+fn cube_face(direction: Vec3) -> usize {
+    let magnitude = direction.abs();
+    let face_by_sign = |component: f32, face: usize| if component >= 0.0 { face } else { face + 1 };
+    if magnitude.x >= magnitude.y && magnitude.x >= magnitude.z {
+        face_by_sign(direction.x, 0)
+    } else if magnitude.y >= magnitude.z {
+        face_by_sign(direction.y, 2)
     } else {
-        face_by_sign(v.z, 4)
+        face_by_sign(direction.z, 4)
     }
 }
 

@@ -38,14 +38,14 @@ impl RaySum {
     }
 
     /// Twin of `ReflectionFromSum`: returns the mean colour, with the mean fade of the hits in the fourth component. A
-    /// ray that missed counts as black. With `over`, it leaves the colour of the hits unchanged and lowers the fade
-    /// instead.
-    fn reflection(&self, over: bool) -> Vec4 {
+    /// ray that missed counts as black. With `lowers_fade`, it leaves the colour of the hits unchanged and
+    /// lowers the fade instead.
+    fn reflection(&self, lowers_fade: bool) -> Vec4 {
         if self.hits <= 0.0 {
             return Vec4::ZERO;
         }
         let reflection = (self.color.truncate() / self.weight).extend(self.color.w / self.hits);
-        if !over {
+        if !lowers_fade {
             return reflection;
         }
         let fade = half(self.color.w / self.weight);
@@ -126,8 +126,8 @@ impl GatherPoint {
         let (weight, color) = (weight.max(LEAST_WEIGHT), ray.color.max(Vec4::ZERO));
         sum.rays.add_ray(weight, is_hit, color);
         if closeness > 0.0 {
-            let seen = if is_hit { weight } else { 0.0 } * color.truncate();
-            sum.closest += closeness * seen.extend(weight);
+            let weighted_color = if is_hit { weight } else { 0.0 } * color.truncate();
+            sum.closest += closeness * weighted_color.extend(weight);
             if density > 0.0 {
                 sum.nearest = sum.nearest.min(if ended_near { 0.0 } else { to_end.dot(to_end) });
             }
@@ -148,28 +148,28 @@ impl Gloss<'_> {
             if is_inside { load_neighbour_ray(texel) } else { NeighbourRay::unpack_record([0; 4]) }
         };
         // The other pixels of the block of 2 × 2: the one beside the pixel along x, and the one along y.
-        let (x, y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
-        let [out, out_x, out_y] = [pixel, x, y].map(direction_out_of_block);
+        let (pixel_x, pixel_y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
+        let [outwards, outwards_x, outwards_y] = [pixel, pixel_x, pixel_y].map(direction_out_of_block);
         let own_ray = load_pixel_ray(pixel);
         if own_ray.key.w == 0.0 {
             return None;
         }
         let ray_from_neighbour_x =
             |texel: IVec2| ray_from_neighbour(load_pixel_ray(texel), load_pixel_ray(IVec2::new(texel.x ^ 1, texel.y)));
-        let beside = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(out.x, 0));
-        let under = |texel: IVec2, out: IVec2| load_neighbour_ray(texel + IVec2::new(0, out.y));
+        let ray_outside_x = |texel: IVec2, outwards: IVec2| load_neighbour_ray(texel + IVec2::new(outwards.x, 0));
+        let ray_outside_y = |texel: IVec2, outwards: IVec2| load_neighbour_ray(texel + IVec2::new(0, outwards.y));
         let mut sum = RaySum::default();
         sum.add_ray(1.0, own_ray.key.w > 0.0, own_ray.color);
         // Three rays of the block, two from beside the block, two from above or below it, and one from its corner.
         for ray in [
             ray_from_neighbour_x(pixel),
-            ray_from_neighbour(own_ray, load_pixel_ray(y)),
-            ray_from_neighbour(ray_from_neighbour_x(pixel), ray_from_neighbour_x(y)),
-            beside(pixel, out),
-            ray_from_neighbour(beside(pixel, out), beside(y, out_y)),
-            under(pixel, out),
-            ray_from_neighbour(under(pixel, out), under(x, out_x)),
-            load_neighbour_ray(pixel + out),
+            ray_from_neighbour(own_ray, load_pixel_ray(pixel_y)),
+            ray_from_neighbour(ray_from_neighbour_x(pixel), ray_from_neighbour_x(pixel_y)),
+            ray_outside_x(pixel, outwards),
+            ray_from_neighbour(ray_outside_x(pixel, outwards), ray_outside_x(pixel_y, outwards_y)),
+            ray_outside_y(pixel, outwards),
+            ray_from_neighbour(ray_outside_y(pixel, outwards), ray_outside_y(pixel_x, outwards_x)),
+            load_neighbour_ray(pixel + outwards),
         ] {
             // The key's w is the root of α + 1, so that the product is a power between those of both lobes. The weight
             // is the root of the overlap of the lobes.
@@ -188,32 +188,33 @@ impl Gloss<'_> {
     pub fn resolve_cell(&self, rays: &Level<NeighbourRay>, cell: IVec2) -> ResolvedCell {
         let Some(pixel) = self.wide_pixel(cell) else { return ResolvedCell::default() };
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
-        let p = &self.traversal.parameters;
-        let lobe = Lobe::new(p.view_direction(point), self.normal(pixel), self.roughness(pixel));
+        let parameters = &self.traversal.parameters;
+        let lobe = Lobe::new(parameters.view_direction(point), self.normal(pixel), self.roughness(pixel));
         let centre = GatherPoint { point, lobe, peak: log_density(lobe.power, 0.0) };
         let neighbour = IVec2::new(cell.x, cell.y ^ 1);
         let [above, middle, below] = [-1, 0, 1].map(|y| self.row(rays, cell, y));
         // The rows between those that are read come from the block's other cell along y.
-        let exchanged = |own: [NeighbourRay; 5], y| {
+        let exchanged_row = |own: [NeighbourRay; 5], y| {
             let other = self.row(rays, neighbour, y);
             std::array::from_fn(|i| ray_from_neighbour(own[i], other[i]))
         };
         let mut sum = CellSum { rays: RaySum::default(), closest: Vec4::ZERO, nearest: FAR_SKY * FAR_SKY };
         // The rows lie from two cells inwards to two cells outwards, and so do the rays in a row.
         const CLOSENESS: [f32; 5] = [0.0, 0.5, 1.0, 0.5, 0.0];
-        let rows = [above, exchanged(middle, 0), middle, exchanged(above, -1), below];
-        for (row, along) in rows.into_iter().zip(CLOSENESS) {
-            for (ray, across) in row.into_iter().zip(CLOSENESS) {
-                centre.gather_ray(&mut sum, ray, along * across);
+        let rows = [above, exchanged_row(middle, 0), middle, exchanged_row(above, -1), below];
+        for (row, row_closeness) in rows.into_iter().zip(CLOSENESS) {
+            for (ray, ray_closeness) in row.into_iter().zip(CLOSENESS) {
+                centre.gather_ray(&mut sum, ray, row_closeness * ray_closeness);
             }
         }
         // The closest cells count more where their rays hit something near, and for smaller roughness.
-        let pixel_width = 2.0 * p.pixel_to_view.y * if p.kind.is_orthographic() { 1.0 } else { point.z };
-        let pixels = sum.nearest.sqrt() / pixel_width;
-        let nearness = ((CONTACT_END - pixels) / (CONTACT_END - NEAR_HIT)).clamp(0.0, 1.0);
-        let narrow = 1.0 - self.roughness(pixel);
-        let rays = sum.with_closest(CONTACT_WEIGHT * narrow * narrow * nearness);
-        let z = if p.kind.is_orthographic() { 1.0 } else { point.z.min(super::GREATEST) };
+        let pixel_width =
+            2.0 * parameters.pixel_to_view.y * if parameters.kind.is_orthographic() { 1.0 } else { point.z };
+        let nearest_px = sum.nearest.sqrt() / pixel_width;
+        let nearness = ((CONTACT_END - nearest_px) / (CONTACT_END - NEAR_HIT)).clamp(0.0, 1.0);
+        let smoothness = 1.0 - self.roughness(pixel);
+        let rays = sum.with_closest(CONTACT_WEIGHT * smoothness * smoothness * nearness);
+        let z = if parameters.kind.is_orthographic() { 1.0 } else { point.z.min(super::GREATEST) };
         ResolvedCell { reflection: rays.reflection(self.is_over), surface: lobe.normal.extend(z) }
     }
 

@@ -11,7 +11,7 @@ use ssct_scenes::GBufferData;
 /// Roughness above which a lobe is wide.
 const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 /// Cells of 2 × 2 pixels along a side of a tile.
-const CELLS: i32 = constants::TILE_SIDE / 2;
+const TILE_CELLS: i32 = constants::TILE_SIDE / 2;
 
 /// The glossy passes of one G-buffer. Normals, materials and colours of the G-buffer must be rounded to 16-bit floats,
 /// since the shaders load them in this format.
@@ -38,21 +38,22 @@ impl<'a> Gloss<'a> {
     pub fn new(traversal: &'a Traversal, chain: &'a [Level<Vec3>], fade: Option<[f32; 2]>, is_over: bool) -> Self {
         let size = traversal.parameters.size;
         // Numbers of cells and of tiles along each axis.
-        let [cells, tiles] = [2, 2 * CELLS].map(|side| ((size + side - 1) / side).as_uvec2());
+        let [cells, tiles] = [2, 2 * TILE_CELLS].map(|side| ((size + side - 1) / side).as_uvec2());
         let empty = Level { width: 1, height: 1, texels: vec![None] };
         let wide_tiles = Level { width: 1, height: 1, texels: vec![false] };
         let mut gloss = Self { traversal, chain, fade, is_over, wide: empty, wide_tiles };
         gloss.wide = Level::from_fn(cells.x, cells.y, |x, y| {
             let cell = IVec2::new(x as i32, y as i32);
-            // The four pixels of the cell, beginning with the one that stands for it.
-            let turned = cell_pixel(cell) & 1;
-            let pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ turned)).min(size - 1));
-            pixels.into_iter().find(|p| gloss.is_wide(*p))
+            // The lowest bits of the pixel that stands for the cell. The cell's four pixels are tried from it on.
+            let first_bits = cell_pixel(cell) & 1;
+            let pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ first_bits)).min(size - 1));
+            pixels.into_iter().find(|pixel| gloss.is_wide(*pixel))
         });
         let is_listed = |x: u32, y: u32| {
-            let first = IVec2::new(x as i32, y as i32) * (2 * CELLS);
-            let last = (first + 2 * CELLS).min(size);
-            (first.y..last.y).any(|y| (first.x..last.x).any(|x| gloss.is_on_list(IVec2::new(x, y), true)))
+            let first_pixel = IVec2::new(x as i32, y as i32) * (2 * TILE_CELLS);
+            let end_pixel = (first_pixel + 2 * TILE_CELLS).min(size);
+            (first_pixel.y..end_pixel.y)
+                .any(|y| (first_pixel.x..end_pixel.x).any(|x| gloss.is_on_list(IVec2::new(x, y), true)))
         };
         gloss.wide_tiles = Level::from_fn(tiles.x, tiles.y, is_listed);
         gloss
@@ -64,11 +65,13 @@ impl<'a> Gloss<'a> {
     }
 
     /// Twin of `TileListOf`: returns whether the material of a pixel, which may be sky, reflects with a wide lobe
-    /// (`wide`) or with a narrow one (not `wide`).
-    fn is_on_list(&self, pixel: IVec2, wide: bool) -> bool {
-        let (g, i) = (self.traversal.gbuffer, self.index(pixel));
-        let roughness = g.roughness[i];
-        g.reflectivity[i] > GBufferData::REFLECTS_ABOVE && roughness > 0.0 && (roughness > WIDE_ABOVE) == wide
+    /// (`is_wide`) or with a narrow one (not `is_wide`).
+    fn is_on_list(&self, pixel: IVec2, is_wide: bool) -> bool {
+        let (gbuffer, index) = (self.traversal.gbuffer, self.index(pixel));
+        let roughness = gbuffer.roughness[index];
+        gbuffer.reflectivity[index] > GBufferData::REFLECTS_ABOVE
+            && roughness > 0.0
+            && (roughness > WIDE_ABOVE) == is_wide
     }
 
     /// Returns whether a pixel is on the list of narrow lobes.
@@ -91,7 +94,7 @@ impl<'a> Gloss<'a> {
         // A cell beyond the image, which has no place in `wide`.
         let first_bits = cell_pixel(cell) & 1;
         let mut pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ first_bits)).min(size - 1));
-        pixels.find(|p| self.is_wide(*p))
+        pixels.find(|pixel| self.is_wide(*pixel))
     }
 
     /// Returns the index of the last cell along each axis.
@@ -102,7 +105,7 @@ impl<'a> Gloss<'a> {
     /// Twin of `IsDrawn`: returns whether a cell lies in a tile that has a wide lobe, so that the passes for wide lobes
     /// draw it.
     pub(super) fn is_drawn(&self, cell: IVec2) -> bool {
-        let tile = (cell / CELLS).as_uvec2();
+        let tile = (cell / TILE_CELLS).as_uvec2();
         self.wide_tiles.at_clamped(tile.x, tile.y)
     }
 
@@ -140,12 +143,12 @@ impl<'a> Gloss<'a> {
             return image.at_clamped(hit.pixel.x as u32, hit.pixel.y as u32);
         }
         let texels = IVec2::new(image.width as i32, image.height as i32);
-        let from_middle = hit.position * (texels.as_vec2() / self.traversal.parameters.size.as_vec2()) - 0.5;
-        let (low, part) = (from_middle.floor(), from_middle - from_middle.floor());
+        let texel_position = hit.position * (texels.as_vec2() / self.traversal.parameters.size.as_vec2()) - 0.5;
+        let (first_texel, fraction) = (texel_position.floor(), texel_position - texel_position.floor());
         (0..4).fold(Vec3::ZERO, |sum, i| {
-            let next = IVec2::new(i & 1, i >> 1);
-            let texel = (low.as_ivec2() + next).clamp(IVec2::ZERO, texels - 1);
-            let weight = Vec2::select(next.cmpeq(IVec2::ONE), part, 1.0 - part);
+            let texel_offset = IVec2::new(i & 1, i >> 1);
+            let texel = (first_texel.as_ivec2() + texel_offset).clamp(IVec2::ZERO, texels - 1);
+            let weight = Vec2::select(texel_offset.cmpeq(IVec2::ONE), fraction, 1.0 - fraction);
             sum + weight.x * weight.y * image.at_clamped(texel.x as u32, texel.y as u32)
         })
     }

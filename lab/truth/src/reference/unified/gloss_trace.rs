@@ -60,35 +60,45 @@ impl Gloss<'_> {
     /// lobes of neighbouring cells overlap, the smaller is the share of the lobe that the ray stands for.
     pub fn aim_wide(&self, cell: IVec2) -> Option<AimedRay> {
         let pixel = self.wide_pixel(cell)?;
-        // The normal's change within the block of 2 × 2 cells that a device shades together.
-        let unit = |cell: IVec2| {
+        // The unit normal of a cell's pixel. Its change is taken within the block of 2 × 2 cells that a device shades
+        // together.
+        let unit_normal = |cell: IVec2| {
             let normal = self.normal(self.wide_pixel(cell).unwrap_or_else(|| cell_pixel(cell)));
             normal * inverse_sqrt(normal.dot(normal).max(1e-30))
         };
-        let even = cell & !1;
-        let turn_x = unit(IVec2::new(even.x + 1, cell.y)) - unit(IVec2::new(even.x, cell.y));
-        let turn_y = unit(IVec2::new(cell.x, even.y + 1)) - unit(IVec2::new(cell.x, even.y));
+        let first_cell = cell & !1;
+        let normal_change_x =
+            unit_normal(IVec2::new(first_cell.x + 1, cell.y)) - unit_normal(IVec2::new(first_cell.x, cell.y));
+        let normal_change_y =
+            unit_normal(IVec2::new(cell.x, first_cell.y + 1)) - unit_normal(IVec2::new(cell.x, first_cell.y));
         // The 25 rays of the pattern are dealt out to squares of 5 × 5 cells. Equal points in adjacent squares have
         // different parities, and so different places in their stratum.
         let parity = cell & 1;
         let stratum = IVec2::new(2 * parity.x + parity.y, 2 * (parity.x ^ parity.y) + parity.x).as_vec2();
         let pattern_point = lattice_point(cell, 5, 7, 0.125 + 0.25 * stratum);
-        let common = |power| 0.5 * (lobe_overlap(turn_x, power) + lobe_overlap(turn_y, power));
-        Some(self.aim(pixel, self.normal(pixel), pattern_point, WIDE_FOOTPRINTS, common))
+        let shared_part = |power| 0.5 * (lobe_overlap(normal_change_x, power) + lobe_overlap(normal_change_y, power));
+        Some(self.aim(pixel, self.normal(pixel), pattern_point, WIDE_FOOTPRINTS, shared_part))
     }
 
-    /// Twin of the first half of `TraceLobeSample`: returns the ray for the pattern point `u` (0…1) in a pixel's lobe.
-    /// `common` returns, for a lobe power, the part (0…1) of the lobe that neighbours' lobes share. A lobe that they
-    /// share wholly is covered by `footprints` footprints of rays.
-    fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> AimedRay {
+    /// Twin of the first half of `TraceLobeSample`: returns the ray for a pattern point (0…1) in a pixel's lobe.
+    /// `shared_part` returns, for a lobe power, the part (0…1) of the lobe that neighbours' lobes share. A lobe that
+    /// they share wholly is covered by `footprints` footprints of rays.
+    fn aim(
+        &self,
+        pixel: IVec2,
+        normal: Vec3,
+        pattern_point: Vec2,
+        footprints: f32,
+        shared_part: impl Fn(f32) -> f32,
+    ) -> AimedRay {
         let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
         let lobe = Lobe::new(self.traversal.parameters.view_direction(point), normal, self.roughness(pixel));
-        let common_part = common(lobe.power);
-        let share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
-        let angle = std::f32::consts::TAU * u.y;
-        let log_rest = (1.0 - u.x * common_part).log2();
-        let turn = Vec2::new(angle.cos(), angle.sin());
-        let direction = lobe_direction(lobe.mirror, lobe.power, log_rest / super::lobe::LOG2_E, turn);
+        let lobe_part = shared_part(lobe.power);
+        let share = 1.0 / (1.0 + (footprints - 1.0) * lobe_part);
+        let azimuth = std::f32::consts::TAU * pattern_point.y;
+        let log_rest = (1.0 - pattern_point.x * lobe_part).log2();
+        let cosine_and_sine = Vec2::new(azimuth.cos(), azimuth.sin());
+        let direction = lobe_direction(lobe.mirror, lobe.power, log_rest / super::lobe::LOG2_E, cosine_and_sine);
         AimedRay { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
     }
 
@@ -104,10 +114,15 @@ impl Gloss<'_> {
         let hit = self.traversal.traverse(&ray);
         let hit =
             self.traversal.leaves_through_far_plane(&ray, &hit).or((hit.code == HitCode::Surface).then_some(hit))?;
-        let p = &self.traversal.parameters;
-        let level = p.footprint_level(aim.point, p.view_point(hit.position, hit.depth), aim.density, aim.share);
+        let parameters = &self.traversal.parameters;
+        let level = parameters.footprint_level(
+            aim.point,
+            parameters.view_point(hit.position, hit.depth),
+            aim.density,
+            aim.share,
+        );
         let lit = self.sample_hit(&hit, level);
-        Some((hit, lit.map(super::sound).extend(self.fade(hit.position * p.pixel_to_clip))))
+        Some((hit, lit.map(super::sound).extend(self.fade(hit.position * parameters.pixel_to_clip))))
     }
 
     /// Traces the ray of a narrow lobe, and returns the result that neighbouring pixels gather, before it is packed.
@@ -153,11 +168,11 @@ pub fn encode_octahedral(v: Vec3) -> Vec2 {
 
 /// Twin of `DecodeOctahedral`: returns the unit vector of octahedral coordinates, as the inverse of
 /// [`encode_octahedral`].
-fn decode_octahedral(o: Vec2) -> Vec3 {
-    let z = 1.0 - o.x.abs() - o.y.abs();
+fn decode_octahedral(coordinates: Vec2) -> Vec3 {
+    let z = 1.0 - coordinates.x.abs() - coordinates.y.abs();
     let fold = (-z).max(0.0);
     let unfold = |v: f32| v + if v >= 0.0 { -fold } else { fold };
-    let v = Vec3::new(unfold(o.x), unfold(o.y), z);
+    let v = Vec3::new(unfold(coordinates.x), unfold(coordinates.y), z);
     v * inverse_sqrt(v.dot(v))
 }
 
@@ -179,13 +194,13 @@ impl NeighbourRay {
     }
 
     /// Twin of `UnpackRecord`: returns the ray of a record, as the inverse of [`Self::pack_record`].
-    pub fn unpack_record([mirror, root, rg, ba]: [u32; 4]) -> Self {
+    pub fn unpack_record([mirror, power_root, red_green, blue_fade]: [u32; 4]) -> Self {
         let snorm = |v: u32| (f32::from(v as u16 as i16) / 32767.0).clamp(-1.0, 1.0);
         let half = |v: u32| half::f16::from_bits(v as u16).to_f32();
         let mirror = decode_octahedral(Vec2::new(snorm(mirror), snorm(mirror >> 16)));
         Self {
-            key: mirror.extend(f32::from_bits(root)),
-            color: Vec4::new(half(rg), half(rg >> 16), half(ba), half(ba >> 16)),
+            key: mirror.extend(f32::from_bits(power_root)),
+            color: Vec4::new(half(red_green), half(red_green >> 16), half(blue_fade), half(blue_fade >> 16)),
         }
     }
 }

@@ -15,9 +15,9 @@ pub(super) const LOG_DENSITY_BIAS: f32 = constants::LOG_DENSITY_BIAS as f32;
 
 /// Twin of `LobePower`: returns α + 1 of a roughness in 0…1.
 pub fn lobe_power(roughness: f32) -> f32 {
-    // The divisor is −ln cos(ϱ / 2), as a series in h = (ϱ / 2)².
-    let h = 0.25 * roughness * roughness;
-    -(constants::XI as f32).ln() / (h * (0.5 + h * (1.0 / 12.0 + h / 45.0))).max(1e-12)
+    // The divisor is −ln cos(ϱ / 2), as a series in (ϱ / 2)².
+    let half_squared = 0.25 * roughness * roughness;
+    -(constants::XI as f32).ln() / (half_squared * (0.5 + half_squared * (1.0 / 12.0 + half_squared / 45.0))).max(1e-12)
 }
 
 /// Twin of `LogCos`: returns ln cos of an angle from x = 1 − cos, by the series of ln(1 − x).
@@ -26,20 +26,20 @@ pub(super) fn log_cos(x: f32) -> f32 {
 }
 
 /// Twin of `LobeDirection`: returns a unit vector at an angle θ to the unit vector `axis`, where ln cos^(α + 1) θ is
-/// `log_rest`. `power` is α + 1, and `turn` the cosine and sine of the angle by which the vector is turned around the
-/// axis.
-pub(super) fn lobe_direction(axis: Vec3, power: f32, log_rest: f32, turn: Vec2) -> Vec3 {
-    // x is 2 ln cos θ, and sin² θ = 1 − eˣ is computed by its series, since cos θ may be near 1.
+/// `log_rest`. `power` is α + 1, and `cosine_and_sine` are those of the angle by which the vector is
+/// turned around the axis.
+pub(super) fn lobe_direction(axis: Vec3, power: f32, log_rest: f32, cosine_and_sine: Vec2) -> Vec3 {
+    // x = ln cos² θ gives sin² θ = 1 − eˣ, which is computed by its series, since cos θ may be near 1.
     let x = 2.0 * log_rest / power;
     let sin_theta = (-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0)))).max(0.0).sqrt();
     let cos_theta = (1.0 - sin_theta * sin_theta).max(0.0).sqrt();
     // Two unit vectors that are perpendicular to the axis and to each other (Duff et al. 2017).
-    let s = if axis.z >= 0.0 { 1.0 } else { -1.0 };
-    let a = -1.0 / (s + axis.z);
+    let sign = if axis.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + axis.z);
     let b = axis.x * axis.y * a;
-    let tangent = Vec3::new(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
-    let bitangent = Vec3::new(b, s + axis.y * axis.y * a, -axis.y);
-    axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y)
+    let tangent = Vec3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
+    let bitangent = Vec3::new(b, sign + axis.y * axis.y * a, -axis.y);
+    axis * cos_theta + sin_theta * (tangent * cosine_and_sine.x + bitangent * cosine_and_sine.y)
 }
 
 /// Twin of `LogDensity`: returns the logarithm to base 2 of the density (α + 1) cos^α of a direction, plus
@@ -54,12 +54,12 @@ pub(super) fn lobe_overlap(chord: Vec3, power: f32) -> f32 {
 }
 
 /// Twin of `LatticePoint`: returns the point (0…1 in x and y) that a pixel or cell has in the pattern of side × side
-/// points. The pattern is the rank-1 lattice with the generator (1, `generator`), and `place` is the point's place
-/// (0…1) in its stratum.
-pub(super) fn lattice_point(pixel: IVec2, side: i32, generator: i32, place: Vec2) -> Vec2 {
+/// points. The pattern is the rank-1 lattice with the generator (1, `generator`), and `stratum_place` is the point's
+/// place (0…1) in its stratum.
+pub(super) fn lattice_point(pixel: IVec2, side: i32, generator: i32, stratum_place: Vec2) -> Vec2 {
     let count = side * side;
     let index = (pixel.x + side * pixel.y) % count;
-    (IVec2::new(index, (index * generator) % count).as_vec2() + place) / count as f32
+    (IVec2::new(index, (index * generator) % count).as_vec2() + stratum_place) / count as f32
 }
 
 /// Twin of `Lobe`: the lobe of a pixel in view space.
@@ -83,9 +83,9 @@ impl Lobe {
     }
 }
 
-/// Returns 1 / √v, as `inversesqrt` of GLSL does.
-pub(super) fn inverse_sqrt(v: f32) -> f32 {
-    1.0 / v.sqrt()
+/// Returns 1 / √value, as `inversesqrt` of GLSL does.
+pub(super) fn inverse_sqrt(value: f32) -> f32 {
+    1.0 / value.sqrt()
 }
 
 impl Parameters {
@@ -121,9 +121,9 @@ impl Parameters {
     /// Twin of `NdcChange`: returns the change of ndc along a view-space vector, from a point that is seen at `ndc`. In
     /// a perspective, this change and that of [`Self::depth_change`] are multiplied by the point's z, which keeps their
     /// ratio.
-    pub(super) fn ndc_change(&self, ndc: Vec2, along: Vec3) -> Vec2 {
-        let parallel = self.view_to_clip * along.truncate();
-        if self.kind.is_orthographic() { parallel } else { parallel - ndc * along.z }
+    pub(super) fn ndc_change(&self, ndc: Vec2, vector: Vec3) -> Vec2 {
+        let parallel = self.view_to_clip * vector.truncate();
+        if self.kind.is_orthographic() { parallel } else { parallel - ndc * vector.z }
     }
 
     /// Twin of `DepthChange`: returns the change of reversed depth along a view-space vector with the component `z`,
@@ -139,8 +139,8 @@ impl Parameters {
     /// stands for.
     pub(super) fn footprint_level(&self, point: Vec3, end: Vec3, density: f32, share: f32) -> f32 {
         let to_end = end - point;
-        let z = if self.kind.is_orthographic() { 1.0 } else { end.z };
-        let half_pixel = z * self.pixel_to_view.y;
+        let width_factor = if self.kind.is_orthographic() { 1.0 } else { end.z };
+        let half_pixel = width_factor * self.pixel_to_view.y;
         // The logarithm to base 2 of (radius of the footprint / half a pixel)², times the density.
         let log_ratio = (2.0 * share * to_end.dot(to_end) / (half_pixel * half_pixel)).log2();
         (0.5 * (log_ratio - (density - LOG_DENSITY_BIAS))).max(0.0)

@@ -25,11 +25,11 @@ impl Gloss<'_> {
     /// Twin of `UpsampleCells`: returns the reflection of a pixel as the mean over the four nearest cells, weighted by
     /// their nearness and by how alike their surfaces are.
     fn upsample_cells(&self, cells: &Level<ResolvedCell>, pixel: IVec2) -> Vec4 {
-        let p = &self.traversal.parameters;
+        let parameters = &self.traversal.parameters;
         let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));
-        let facing = normal.dot(p.view_ray(pixel.as_vec2() + 0.5)) / PLANE_TOLERANCE;
-        let facing_change = normal.truncate() * p.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
-        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+        let facing = normal.dot(parameters.view_ray(pixel.as_vec2() + 0.5)) / PLANE_TOLERANCE;
+        let facing_change = normal.truncate() * parameters.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
+        let (mut sum, mut weight_sum) = (Vec4::ZERO, 0.0);
         for i in 0_i32..4 {
             let cell: IVec2 = (pixel >> 1) + direction_out_of_block(pixel) * IVec2::new(i & 1, i >> 1);
             let cell = cell.clamp(IVec2::ZERO, self.last_cell());
@@ -37,27 +37,28 @@ impl Gloss<'_> {
             let ResolvedCell { mut reflection, surface } = drawn.unwrap_or_default();
             let offset = (cell_pixel(cell) - pixel).as_vec2();
             let nearness = CELL_REACH - offset.abs();
-            let off_plane = match p.kind {
+            let off_plane = match parameters.kind {
                 ProjectionKind::Perspective => {
-                    (facing + facing_change.dot(offset)) * (surface.w * (depth + p.depth_offset)) - facing
+                    (facing + facing_change.dot(offset)) * (surface.w * (depth + parameters.depth_offset)) - facing
                 }
                 ProjectionKind::Orthographic => {
-                    let cell_depth = self.depth(cell_pixel(cell).min(p.size - 1));
-                    (facing_change.dot(offset) + facing * (depth - cell_depth) / p.depth_offset) / p.reach
+                    let cell_depth = self.depth(cell_pixel(cell).min(parameters.size - 1));
+                    (facing_change.dot(offset) + facing * (depth - cell_depth) / parameters.depth_offset)
+                        / parameters.reach
                 }
             };
             let overlap = lobe_overlap(normal - surface.truncate(), power);
             let squared_distance = off_plane * off_plane;
-            let alike = (overlap / (1.0 + squared_distance * squared_distance)).max(LEAST_WEIGHT);
-            let weight = if surface.w > 0.0 { nearness.x * nearness.y * alike } else { 0.0 };
+            let likeness = (overlap / (1.0 + squared_distance * squared_distance)).max(LEAST_WEIGHT);
+            let weight = if surface.w > 0.0 { nearness.x * nearness.y * likeness } else { 0.0 };
             // If the reflection lies over another one, a cell's colour is weighted by its fade.
             if self.is_over {
                 reflection = (reflection.truncate() * reflection.w).extend(reflection.w);
             }
             sum += weight * reflection;
-            weights += weight;
+            weight_sum += weight;
         }
-        let color_weight = if self.is_over { sum.w } else { weights };
-        if color_weight > 0.0 { (sum.truncate() / color_weight).extend(sum.w / weights) } else { Vec4::ZERO }
+        let color_weight = if self.is_over { sum.w } else { weight_sum };
+        if color_weight > 0.0 { (sum.truncate() / color_weight).extend(sum.w / weight_sum) } else { Vec4::ZERO }
     }
 }

@@ -1,5 +1,5 @@
-//! Twin of `unified/trace/surface.glsl`: tests which pixels show the surface that reflects, and whether a ray ends in sky
-//! that the screen shows.
+//! Twin of `unified/trace/surface.glsl`: tests which pixels show the surface that reflects, and whether a ray ends in
+//! sky that the screen shows.
 
 use super::{Block, Hit, HitCode, Ray, Traversal, dot};
 use glam::{IVec2, Vec3};
@@ -10,11 +10,11 @@ impl Traversal<'_> {
     /// the given depth. In a perspective the offset is divided by the z of the pixel's surface. Points are scaled as by
     /// [`super::Parameters::view_point`].
     fn offset_to_pixel(&self, point: Vec3, pixel: IVec2, depth: f32) -> Vec3 {
-        let (p, position) = (&self.parameters, pixel.as_vec2() + 0.5);
-        if p.kind.is_orthographic() {
-            return p.view_point(position, depth) - point;
+        let (parameters, position) = (&self.parameters, pixel.as_vec2() + 0.5);
+        if parameters.kind.is_orthographic() {
+            return parameters.view_point(position, depth) - point;
         }
-        p.view_ray(position) - (depth + p.depth_offset) * point
+        parameters.view_ray(position) - (depth + parameters.depth_offset) * point
     }
 
     /// Twin of `ShowsReflector`: returns whether the surface of a pixel lies at most [`STANDS_ABOVE`] pixel widths
@@ -33,10 +33,11 @@ impl Traversal<'_> {
         let size = self.parameters.size;
         let exit_position = (ray.start + ray.end * ray.rate.truncate()).clamp(glam::Vec2::ZERO, size.as_vec2());
         let pixel = exit_position.as_ivec2().min(size - 1);
-        let corner = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0)) * size;
-        let sides = (corner.as_vec2() - ray.start) * ray.inverse;
-        let leaves_far = ray.rate.z < 0.0 && ray.end < sides.x.min(sides.y);
-        let shows = !self.is_followed && hit.code == HitCode::Miss && leaves_far && self.block(pixel) == Block::EMPTY;
-        shows.then_some(Hit { pixel, position: exit_position, ..*hit })
+        let far_corner = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0)) * size;
+        let side_s = (far_corner.as_vec2() - ray.start) * ray.inverse;
+        let leaves_far = ray.rate.z < 0.0 && ray.end < side_s.x.min(side_s.y);
+        let shows_sky =
+            !self.is_followed && hit.code == HitCode::Miss && leaves_far && self.block(pixel) == Block::EMPTY;
+        shows_sky.then_some(Hit { pixel, position: exit_position, ..*hit })
     }
 }

@@ -108,7 +108,7 @@ impl WorldState {
 
     /// Returns the number of pixels that need more than one sample.
     pub fn sampled_pixels(&self) -> usize {
-        self.kinds.iter().filter(|k| matches!(k, Kind::Sampled { .. })).count()
+        self.kinds.iter().filter(|kind| matches!(kind, Kind::Sampled { .. })).count()
     }
 
     /// Returns the number of samples of each pixel.
@@ -128,19 +128,19 @@ impl WorldState {
 
     /// Returns the mean linear colour of each pixel; black without samples.
     pub fn means(&self) -> impl Iterator<Item = DVec3> {
-        self.totals().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
+        self.totals().zip(self.sample_counts()).map(|(sums, count)| sums.color / f64::from(count.max(1)))
     }
 
-    /// Returns the standard error of each pixel's mean, per channel: √(sample variance / n). It is 0 for a mirror's
+    /// Returns the standard error of each pixel's mean, per channel: √(sample variance / count). It is 0 for a mirror's
     /// single ray and where nothing reflects, and infinite for any other pixel with fewer than two samples.
     pub fn standard_errors(&self) -> impl Iterator<Item = DVec3> {
         self.totals().zip(&self.kinds).map(move |(sums, kind)| {
-            let n = f64::from(self.count(*kind));
+            let count = f64::from(self.count(*kind));
             match kind {
-                Kind::Sampled { .. } if n < 2.0 => DVec3::INFINITY,
+                Kind::Sampled { .. } if count < 2.0 => DVec3::INFINITY,
                 Kind::Sampled { .. } => {
-                    let variance = ((sums.squares - sums.color * sums.color / n) / (n - 1.0)).max(DVec3::ZERO);
-                    (variance / n).map(f64::sqrt)
+                    let variance = ((sums.squares - sums.color * sums.color / count) / (count - 1.0)).max(DVec3::ZERO);
+                    (variance / count).map(f64::sqrt)
                 }
                 _ => DVec3::ZERO,
             }
@@ -151,9 +151,9 @@ impl WorldState {
     /// reflects. By the square of this number the noise of the reference raises the square of an RMSE that is measured
     /// against it.
     pub fn overall_standard_error(&self) -> f64 {
-        let reflecting = self.kinds.iter().filter(|k| **k != Kind::None).count();
-        let squares: f64 = self.standard_errors().map(|e| e.length_squared()).sum();
-        if reflecting == 0 { 0.0 } else { (squares / (3 * reflecting) as f64).sqrt() }
+        let reflecting = self.kinds.iter().filter(|kind| **kind != Kind::None).count();
+        let squared_errors: f64 = self.standard_errors().map(|error| error.length_squared()).sum();
+        if reflecting == 0 { 0.0 } else { (squared_errors / (3 * reflecting) as f64).sqrt() }
     }
 
     /// Writes the state atomically: to a temporary file in the target's folder, which is then renamed.
@@ -204,46 +204,47 @@ pub(crate) fn read_state(path: &Path) -> Result<StoredState> {
     let unreadable = |e| Error::io("read", path, e);
     let file = PathInFolder::file(path).open()?.ok_or_else(|| unreadable(std::io::ErrorKind::NotFound.into()))?;
     let length = file.metadata().map_err(unreadable)?.len();
-    let wrong = |message: &str| Error::malformed(path, None, message);
+    let malformed = |message: &str| Error::malformed(path, None, message);
     // At most as many bytes are read as the file has now.
     let mut file = file.take(length);
     let mut bytes = Vec::new();
     (&mut file).take(HEAD_BYTES as u64).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
-        return Err(wrong("this is not a state of a world reference"));
+        return Err(malformed("this is not a state of a world reference"));
     }
     // The number at an offset in bytes; HEAD_BYTES lists the fields of the head.
-    let number = |offset: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[offset + i]));
-    let (extent, layout) = ([number(44), number(48)], number(8));
+    let number_at = |offset: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[offset + i]));
+    let (extent, layout) = ([number_at(44), number_at(48)], number_at(8));
     let (first, end, head) = match layout {
-        LAYOUT => (number(52), number(56), HEAD_BYTES),
+        LAYOUT => (number_at(52), number_at(56), HEAD_BYTES),
         // The single sum of an older file has the fixed grouping only if all its samples fit into one leaf.
-        LAYOUT_OF_ONE_SUM if number(52) <= LEAF => (0, number(52), HEAD_BYTES - 4),
-        _ => return Err(wrong("the state was written by another version")),
+        LAYOUT_OF_ONE_SUM if number_at(52) <= LEAF => (0, number_at(52), HEAD_BYTES - 4),
+        _ => return Err(malformed("the state was written by another version")),
     };
-    let damaged = || wrong("the state is damaged or cut off");
+    let damaged = || malformed("the state is damaged or cut off");
     let pixels = extent[0] as usize * extent[1] as usize;
     // An older file has one sum a pixel even without samples.
-    let count = if layout == LAYOUT { parts(first, end).len() } else { 1 };
-    let expected = pixels.checked_mul(count * PIXEL_BYTES).and_then(|n| n.checked_add(head));
+    let part_count = if layout == LAYOUT { parts(first, end).len() } else { 1 };
+    let expected = pixels.checked_mul(part_count * PIXEL_BYTES).and_then(|n| n.checked_add(head));
     // The sums are read only if the file is as long as its head says.
     if expected.and_then(|n| n.checked_add(CHECK_BYTES)).map(|n| n as u64) != Some(length) {
         return Err(damaged());
     }
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
-    let aligned = first.is_multiple_of(LEAF) && first <= end;
-    if !aligned || expected != Some(content.len()) || Sha256::digest(content)[..] != *check {
+    let is_aligned = first.is_multiple_of(LEAF) && first <= end;
+    if !is_aligned || expected != Some(content.len()) || Sha256::digest(content)[..] != *check {
         return Err(damaged());
     }
     // A pixel has the three channels of the colours' sum, and then those of the squares' sum.
     let sums = content[head..].as_chunks::<PIXEL_BYTES>().0.iter().map(|bytes| {
-        let v: [f64; 6] = std::array::from_fn(|i| f64::from_le_bytes(std::array::from_fn(|k| bytes[8 * i + k])));
-        Sums { color: DVec3::from_slice(&v[..3]), squares: DVec3::from_slice(&v[3..]) }
+        let channel_sums: [f64; 6] =
+            std::array::from_fn(|i| f64::from_le_bytes(std::array::from_fn(|k| bytes[8 * i + k])));
+        Sums { color: DVec3::from_slice(&channel_sums[..3]), squares: DVec3::from_slice(&channel_sums[3..]) }
     });
     // The sums of an older file without samples are skipped.
-    let used = if end > first { pixels * count } else { 0 };
-    let sums = PartialSums::from_file_order(first, end, pixels, sums.take(used)).ok_or_else(damaged)?;
+    let used_sums = if end > first { pixels * part_count } else { 0 };
+    let sums = PartialSums::from_file_order(first, end, pixels, sums.take(used_sums)).ok_or_else(damaged)?;
     Ok(StoredState { fingerprint: std::array::from_fn(|i| bytes[12 + i]), extent, sums })
 }
 
@@ -302,19 +303,22 @@ impl WorldReference<'_> {
             hash.numbers(&[u64::from(texture.width), u64::from(texture.height), encoding]);
             hash.block(&texture.rgba);
         }
-        for m in self.world.materials {
-            hash.floats(&m.albedo.to_array());
-            hash.floats(&[m.reflectivity, m.roughness, m.normal_deviation]);
-            for map in [m.albedo_map, m.normal_map, m.alpha_mask, m.reflectivity_map] {
-                hash.numbers(&[map.map_or(u64::MAX, |i| i as u64)]);
+        for material in self.world.materials {
+            hash.floats(&material.albedo.to_array());
+            hash.floats(&[material.reflectivity, material.roughness, material.normal_deviation]);
+            for map in [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map] {
+                hash.numbers(&[map.map_or(u64::MAX, |texture| texture as u64)]);
             }
-            hash.numbers(&[u64::from(m.surface == Surface::Sky)]);
+            hash.numbers(&[u64::from(material.surface == Surface::Sky)]);
             // Values that few materials have are hashed for these alone, so that states that are older than the values
             // still fit.
-            if m.roughness_map.is_some() || m.emission > 0.0 || m.single_sided {
+            if material.roughness_map.is_some() || material.emission > 0.0 || material.single_sided {
                 hash.block(b"roughness map, emission, sides");
-                hash.numbers(&[m.roughness_map.map_or(u64::MAX, |i| i as u64), u64::from(m.single_sided)]);
-                hash.floats(&[m.emission]);
+                hash.numbers(&[
+                    material.roughness_map.map_or(u64::MAX, |texture| texture as u64),
+                    u64::from(material.single_sided),
+                ]);
+                hash.floats(&[material.emission]);
             }
         }
         for light in &self.world.scene.lights {
@@ -333,11 +337,11 @@ impl WorldReference<'_> {
         hash.numbers(&[u64::from(self.first_hits.width), u64::from(self.first_hits.height)]);
         for receiver in &self.first_hits.receivers {
             hash.numbers(&[u64::from(receiver.is_some())]);
-            if let Some(r) = receiver {
-                for v in [r.position, r.incoming, r.normal, r.geometric_normal] {
+            if let Some(receiver) = receiver {
+                for v in [receiver.position, receiver.incoming, receiver.normal, receiver.geometric_normal] {
                     hash.numbers(&v.to_array().map(f64::to_bits));
                 }
-                hash.numbers(&[r.roughness.to_bits()]);
+                hash.numbers(&[receiver.roughness.to_bits()]);
             }
         }
         hash.0.finalize().into()
@@ -351,15 +355,15 @@ struct Hash(Sha256);
 impl Hash {
     /// Hashes whole numbers.
     fn numbers(&mut self, values: &[u64]) {
-        for v in values {
-            self.0.update(v.to_le_bytes());
+        for value in values {
+            self.0.update(value.to_le_bytes());
         }
     }
 
     /// Hashes floats by their bits.
     fn floats(&mut self, values: &[f32]) {
-        for v in values {
-            self.0.update(v.to_le_bytes());
+        for value in values {
+            self.0.update(value.to_le_bytes());
         }
     }
 

@@ -13,11 +13,11 @@ fn sphere(material: usize) -> Mesh {
     let mut mesh = Mesh { name: "sphere".into(), material, ..Mesh::default() };
     for i in 0..=rings {
         for j in 0..=sectors {
-            let (polar, around) = (
+            let (polar, azimuth) = (
                 std::f32::consts::PI * i as f32 / rings as f32,
                 std::f32::consts::TAU * (j % sectors) as f32 / sectors as f32,
             );
-            let n = Vec3::new(polar.sin() * around.cos(), polar.cos(), polar.sin() * around.sin());
+            let n = Vec3::new(polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin());
             let vertex =
                 Vertex { position: (8.0 * n).to_array(), normal: (-n).to_array(), uv: [0.0; 2], tangent: [0.0; 4] };
             mesh.vertices.push(vertex);
@@ -86,9 +86,9 @@ fn in_a_sphere_of_one_colour_every_roughness_reflects_that_colour_at_normal_inci
 fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
     // Rays from the centre meet the sphere at right angles and return through the centre. After n bounces they bring
     // L (1 + r + … + rⁿ⁻¹), for the lit colour L and the reflectivity r.
-    let share = 0.75_f32;
+    let reflectivity = 0.75_f32;
     let mut scene = in_a_sphere();
-    scene.materials[0].reflectivity = share;
+    scene.materials[0].reflectivity = reflectivity;
     let world = World::new(&scene, &scene.materials);
     let first_hits = one_row(vec![Some(receiver(DVec3::new(0.2, -0.9, 0.1), 0.0))]);
     let mut fingerprints = Vec::new();
@@ -97,7 +97,7 @@ fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
         let mut state = reference.start();
         reference.add(&mut state, 16);
         let image = reference.image(&state);
-        let expected = 0.2 * ALBEDO * (1.0 - share.powi(bounces as i32)) / (1.0 - share);
+        let expected = 0.2 * ALBEDO * (1.0 - reflectivity.powi(bounces as i32)) / (1.0 - reflectivity);
         assert!((image.reflection[0] - expected).length() < 1e-5, "{bounces}: {}", image.reflection[0]);
         assert!(image.standard_error[0].max_element() < 1e-6);
         fingerprints.push(reference.fingerprint());
@@ -123,8 +123,8 @@ fn the_share_of_the_lobe_below_the_surface_is_dark() {
     for (i, angle) in angles.iter().enumerate() {
         let expected = (0.2 * ALBEDO).as_dvec3() * (1.0 + angle.cos()) / 2.0;
         let error = image.standard_error[i].as_dvec3() * 4.0 + 1e-6;
-        let off = (image.reflection[i].as_dvec3() - expected).abs();
-        assert!(off.cmple(error).all(), "{i}: {off} beyond {error}");
+        let difference = (image.reflection[i].as_dvec3() - expected).abs();
+        assert!(difference.cmple(error).all(), "{i}: {difference} beyond {error}");
     }
 }
 
@@ -138,9 +138,9 @@ fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
     let mut state = reference.start();
     assert_eq!(state.overall_standard_error(), f64::INFINITY);
     let share = (1.0 + 0.5_f64.sqrt()) / 2.0;
-    let colors = (0.2 * ALBEDO).as_dvec3();
+    let color = (0.2 * ALBEDO).as_dvec3();
     // Each sample is either the colour or black, so its variance is colour² · p (1 − p).
-    let rms_color = (colors.length_squared() / 3.0).sqrt();
+    let rms_color = (color.length_squared() / 3.0).sqrt();
     for n in [100, 400, 1600] {
         let more = n - state.samples();
         reference.add(&mut state, more);
@@ -148,26 +148,27 @@ fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
         assert!((state.overall_standard_error() / expected - 1.0).abs() < 0.05, "{n}");
     }
     // The actual errors of the pixels must have the size that the standard errors claim.
-    let z = state.means().zip(state.standard_errors()).map(|(m, e)| ((m - colors * share) / e).x.powi(2));
-    let chi: f64 = z.sum();
+    let squared_scores =
+        state.means().zip(state.standard_errors()).map(|(mean, error)| ((mean - color * share) / error).x.powi(2));
+    let chi: f64 = squared_scores.sum();
     assert!((24.7..86.7).contains(&chi), "χ² {chi} with 50 degrees of freedom, 99.8 % inside");
 }
 
 /// Returns a scene of a mirror floor at y = 0 and a wall at z = 5 whose left half is dark and whose right half is
 /// bright.
 fn floor_and_wall() -> Scene {
-    let half = |x: f32, material| rectangle(Vec3::new(x, 0.0, 5.0), 5.0 * Vec3::Y, 5.0 * Vec3::X, material);
-    let wall = |v: f32| Material { albedo: Vec3::splat(v), reflectivity: 0.0, ..Material::default() };
+    let half_wall = |x: f32, material| rectangle(Vec3::new(x, 0.0, 5.0), 5.0 * Vec3::Y, 5.0 * Vec3::X, material);
+    let wall_material = |grey: f32| Material { albedo: Vec3::splat(grey), reflectivity: 0.0, ..Material::default() };
     Scene {
         meshes: vec![
             rectangle(Vec3::new(-5.0, 0.0, 0.0), 10.0 * Vec3::Z, 10.0 * Vec3::X, 0),
-            half(-5.0, 1),
-            half(0.0, 2),
+            half_wall(-5.0, 1),
+            half_wall(0.0, 2),
         ],
         materials: vec![
             Material { albedo: Vec3::ZERO, reflectivity: 0.5, ..Material::default() },
-            wall(0.25),
-            wall(1.0),
+            wall_material(0.25),
+            wall_material(1.0),
         ],
         ..Scene::default()
     }
@@ -214,15 +215,15 @@ fn an_escaped_ray_is_black_or_the_sky() {
     let scene = Scene::default();
     let world = World::new(&scene, &scene.materials);
     let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0)), None]);
-    let bring = |escape| {
+    let reflection_with = |escape| {
         let reference = WorldReference { escape, ..reference(&world, &first_hits) };
         let mut state = reference.start();
         reference.add(&mut state, 1);
         reference.image(&state).reflection
     };
-    assert_eq!(bring(EscapeRadiance::Black), [Vec3::ZERO; 2]);
+    assert_eq!(reflection_with(EscapeRadiance::Black), [Vec3::ZERO; 2]);
     let up = DVec3::new(0.3, 1.0, 0.2).normalize();
-    let sky = bring(EscapeRadiance::Environment);
+    let sky = reflection_with(EscapeRadiance::Environment);
     assert!((sky[0] - sky_color(up).as_vec3()).length() < 1e-5 && sky[1] == Vec3::ZERO);
 }
 
@@ -261,33 +262,33 @@ fn threads_interruptions_and_files_change_no_bit() {
 
 /// Asserts that samples give a state of the same bits on one thread and after an interruption.
 fn threads_and_interruptions_change_nothing(reference: &WorldReference) {
-    let straight = {
+    let uninterrupted = {
         let mut state = reference.start();
         reference.add(&mut state, 24);
         state
     };
-    assert!(straight.sampled_pixels() > 200 && straight.overall_standard_error() > 1e-3);
+    assert!(uninterrupted.sampled_pixels() > 200 && uninterrupted.overall_standard_error() > 1e-3);
 
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let mut alone = reference.start();
-    one_thread.install(|| reference.add(&mut alone, 24));
-    assert_eq!(alone, straight);
+    let mut single_threaded = reference.start();
+    one_thread.install(|| reference.add(&mut single_threaded, 24));
+    assert_eq!(single_threaded, uninterrupted);
 
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("deeper/state");
-    let (mut state, why) = reference.resume(&path);
-    assert!(why.is_none(), "a missing file must not be an error");
+    let (mut state, refusal) = reference.resume(&path);
+    assert!(refusal.is_none(), "a missing file must not be an error");
     reference.add(&mut state, 7);
     state.save(&path).expect("a file");
-    let (mut state, why) = reference.resume(&path);
-    assert!(why.is_none() && state.samples() == 7);
+    let (mut state, refusal) = reference.resume(&path);
+    assert!(refusal.is_none() && state.samples() == 7);
     reference.add(&mut state, 17);
-    assert_eq!(state, straight);
+    assert_eq!(state, uninterrupted);
 
-    let other = WorldReference { seed: 2, ..*reference };
-    let mut different = other.start();
-    other.add(&mut different, 24);
-    assert!(different != straight);
+    let other_reference = WorldReference { seed: 2, ..*reference };
+    let mut different = other_reference.start();
+    other_reference.add(&mut different, 24);
+    assert!(different != uninterrupted);
 }
 
 #[test]
@@ -303,16 +304,16 @@ fn a_file_is_refused_for_anything_else_or_if_damaged() {
         reference.add(&mut state, 2);
         state.save(&path).expect("a file");
 
-        let good = std::fs::read(&path).expect("the file");
-        let mut flipped = good.clone();
+        let intact = std::fs::read(&path).expect("the file");
+        let mut flipped = intact.clone();
         flipped[300] ^= 1;
-        for bad in [&good[..good.len() - 1], &good[..40], &[], &flipped[..], &[&good[..], b"x"].concat()] {
-            std::fs::write(&path, bad).expect("the file");
-            assert!(matches!(reference.load(&path), Err(Error::Malformed { .. })), "{} bytes", bad.len());
-            let (fresh, why) = reference.resume(&path);
-            assert!(fresh.samples() == 0 && why.is_some());
+        for damaged in [&intact[..intact.len() - 1], &intact[..40], &[], &flipped[..], &[&intact[..], b"x"].concat()] {
+            std::fs::write(&path, damaged).expect("the file");
+            assert!(matches!(reference.load(&path), Err(Error::Malformed { .. })), "{} bytes", damaged.len());
+            let (fresh, refusal) = reference.resume(&path);
+            assert!(fresh.samples() == 0 && refusal.is_some());
         }
-        std::fs::write(&path, &good).expect("the file");
+        std::fs::write(&path, &intact).expect("the file");
         assert_eq!(reference.load(&path).expect("whole again"), state);
         let footprint = Some(PrimaryRays::new(&camera, [12, 8]));
         for other in [
@@ -356,20 +357,20 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     let indices = || 0..traced.lit.len();
     let gbuffer = testing::traced(&world, &camera, [width, height]);
     let read = FirstHits::from_gbuffer(&gbuffer);
-    let run = |first_hits: &FirstHits| {
+    let image_of = |first_hits: &FirstHits| {
         let reference = reference(&world, first_hits);
         let mut state = reference.start();
         reference.add(&mut state, 1);
         reference.image(&state)
     };
-    let (a, b) = (run(&traced), run(&read));
-    let near = |i: &usize| (a.reflection[*i] - b.reflection[*i]).length() < 1e-3;
+    let (traced_image, read_image) = (image_of(&traced), image_of(&read));
+    let is_near = |i: &usize| (traced_image.reflection[*i] - read_image.reflection[*i]).length() < 1e-3;
     let reflecting = indices().filter(|i| receiver_of(*i).is_some()).count();
-    let agree = indices().filter(|i| receiver_of(*i).is_some()).filter(near).count();
+    let agree = indices().filter(|i| receiver_of(*i).is_some()).filter(is_near).count();
     assert!(reflecting > 300 && agree as f64 > 0.98 * reflecting as f64, "{agree} of {reflecting}");
     for i in indices().filter(|i| receiver_of(*i).is_some()) {
-        let z = traced.view_z_m[i];
-        assert!((read.view_z_m[i] - z).abs() < 1e-5 * z);
+        let view_z_m = traced.view_z_m[i];
+        assert!((read.view_z_m[i] - view_z_m).abs() < 1e-5 * view_z_m);
     }
 }
 
@@ -387,15 +388,15 @@ fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
     }
     let [read, shown] = [FirstHits::from_gbuffer(&gbuffer), FirstHits::shown(&world, &gbuffer)];
     let eye = camera.eye().as_dvec3();
-    let (mut moved, mut kept) = (0, 0);
+    let (mut moved, mut unmoved) = (0, 0);
     for (i, surface) in traced.receivers.iter().enumerate() {
         let Some(surface) = surface else { continue };
         let position = |hits: &FirstHits| hits.receivers[i].unwrap().position;
         if i % 7 == 0 {
             // Each point stays where the depth puts it, or moves to the next surface near it.
-            let (off, away) = (position(&shown).distance(position(&read)), position(&read).distance(eye));
-            assert!(off <= away / 128.0, "pixel {i}: {off} m off, {away} m away");
-            kept += u32::from(off == 0.0);
+            let (offset_m, distance_m) = (position(&shown).distance(position(&read)), position(&read).distance(eye));
+            assert!(offset_m <= distance_m / 128.0, "pixel {i}: {offset_m} m off, {distance_m} m away");
+            unmoved += u32::from(offset_m == 0.0);
         } else {
             assert!(
                 position(&shown).distance(surface.position) < 1e-6,
@@ -406,7 +407,7 @@ fn a_gbuffer_shows_the_surfaces_that_its_depths_lie_beside() {
             moved += u32::from(position(&read).distance(surface.position) > 1e-4);
         }
     }
-    assert!(moved > 200 && kept > 30, "{moved} and {kept}");
+    assert!(moved > 200 && unmoved > 30, "{moved} and {unmoved}");
 }
 
 #[test]
@@ -420,14 +421,14 @@ fn rays_of_centres_are_drawn_by_their_numbers() {
     reference.add(&mut state, 6);
     let mut counts = [0, 0];
     for (i, (mean, receiver)) in state.means().zip(&first_hits.receivers).enumerate() {
-        let Some(r) = receiver else { continue };
-        let (stream, samples) = (Stream::new(5, i as u64), if r.roughness > 0.0 { 6 } else { 1 });
+        let Some(receiver) = receiver else { continue };
+        let (stream, samples) = (Stream::new(5, i as u64), if receiver.roughness > 0.0 { 6 } else { 1 });
         let mut sum = DVec3::ZERO;
         for n in 0..samples {
-            let u = [stream.uniform(2 * n), stream.uniform(2 * n + 1)];
-            let direction = lobe_direction(r.mirror(), phong::exponent(r.roughness), u);
-            let ray = WorldRay { origin: r.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
-            let hit = world.closest(&ray).filter(|_| r.is_above(direction));
+            let random_pair = [stream.uniform(2 * n), stream.uniform(2 * n + 1)];
+            let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), random_pair);
+            let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+            let hit = world.closest(&ray).filter(|_| receiver.is_above(direction));
             sum += hit.map_or(DVec3::ZERO, |hit| world.color(&ray, &world.point(&ray, &hit)));
         }
         assert_eq!(mean, sum / samples as f64, "pixel {i}, to the bit");
@@ -445,14 +446,14 @@ fn whoever_escapes_sees_the_environment() {
     let first_hits = one_row(vec![Some(receiver(incoming, 0.0))]);
     let lens = Lens { opening: ssct_scenes::FieldOfView::Angle(1e-6), ..Lens::default() };
     let camera = Camera::new(Vec3::ZERO, incoming.as_vec3(), lens, 1.0);
-    let bring = |reference: WorldReference| {
+    let color_and_samples = |reference: WorldReference| {
         let mut state = reference.start();
         reference.add(&mut state, 1);
         (reference.image(&state).reflection[0], state.sample_counts().next())
     };
     let sky = sky_color(DVec3::new(0.3, 1.0, 0.2).normalize()).as_vec3();
-    assert_eq!(bring(WorldReference::of_centres(&world, &first_hits, 1)), (Vec3::ZERO, Some(1)));
-    let (color, samples) = bring(WorldReference::new(&world, &first_hits, &camera, 1));
+    assert_eq!(color_and_samples(WorldReference::of_centres(&world, &first_hits, 1)), (Vec3::ZERO, Some(1)));
+    let (color, samples) = color_and_samples(WorldReference::new(&world, &first_hits, &camera, 1));
     assert!((color - sky).length() < 1e-5 && samples == Some(16), "{color} {sky} {samples:?}");
 }
 
@@ -470,9 +471,9 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
         reference.image(&state)
     };
     let filtered_by = |samples: &[u32]| image(WorldReference::new(&world, &first_hits, &camera, 1), samples);
-    let (filtered, plain) = (filtered_by(&[256]), image(WorldReference::of_centres(&world, &first_hits, 1), &[256]));
+    let (filtered, central) = (filtered_by(&[256]), image(WorldReference::of_centres(&world, &first_hits, 1), &[256]));
     let shows_wall = |i: &usize| first_hits.receivers[*i].is_some_and(|r| r.position.z > 1.2 && r.position.z < 4.5);
-    let mut squares = Vec::new();
+    let mut squared_scores = Vec::new();
     for i in (0..filtered.reflection.len()).filter(shows_wall) {
         let (sum, error) = (filtered.reflection[i].x, filtered.standard_error[i].x);
         match (i as u32 % size).cmp(&(size / 2)) {
@@ -481,13 +482,13 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
             std::cmp::Ordering::Equal => {
                 // Each sample has either value with probability ½.
                 assert!((error - 0.075 / 16.0).abs() < 2e-4, "{error}");
-                squares.push(((sum - 0.125) / error).powi(2));
-                assert!((plain.reflection[i].x - 0.125).abs() > 0.07, "one ray shows one of both");
+                squared_scores.push(((sum - 0.125) / error).powi(2));
+                assert!((central.reflection[i].x - 0.125).abs() > 0.07, "one ray shows one of both");
             }
         }
     }
-    let chi2: f32 = squares.iter().sum();
-    assert!(squares.len() >= 5 && chi2 < 4.0 * squares.len() as f32, "{squares:?}");
+    let chi2: f32 = squared_scores.iter().sum();
+    assert!(squared_scores.len() >= 5 && chi2 < 4.0 * squared_scores.len() as f32, "{squared_scores:?}");
     let reflecting = |i: &usize| first_hits.receivers[*i].is_some();
     assert!((0..filtered.samples.len()).filter(reflecting).all(|i| filtered.samples[i] == 256));
 
